@@ -1,0 +1,26 @@
+#include <algorithm>
+
+#include "analytic/lambert.h"
+#include "analytic/model.h"
+#include "analytic/single_scattering.h"
+#include "analytic/spongecake.h"
+
+namespace lamella {
+
+const std::vector<ModelInfo>& models() {
+  static const std::vector<ModelInfo> list{
+      lambert_model(),
+      single_scattering_model(),
+      spongecake_model(),
+  };
+  return list;
+}
+
+const ModelInfo* find_model(std::string_view name) {
+  const auto& list = models();
+  const auto it = std::find_if(list.begin(), list.end(),
+                               [&](const ModelInfo& info) { return info.name == name; });
+  return it == list.end() ? nullptr : &*it;
+}
+
+}  // namespace lamella

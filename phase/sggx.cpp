@@ -1,0 +1,89 @@
+#include "phase/sggx.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <optional>
+
+#include "phase/flake.h"
+
+namespace lamella {
+namespace {
+
+std::optional<SggxMatrix<double>> cholesky(const std::array<double, 6>& s) {
+  const auto [xx, yy, zz, xy, xz, yz] = s;
+  SggxMatrix<double> a{};
+  a.a00 = std::sqrt(xx);
+  a.a10 = xy / a.a00;
+  a.a20 = xz / a.a00;
+  a.a11 = std::sqrt(yy - a.a10 * a.a10);
+  a.a21 = (yz - a.a20 * a.a10) / a.a11;
+  a.a22 = std::sqrt(zz - a.a20 * a.a20 - a.a21 * a.a21);
+  const bool positive = a.a00 > 0 && a.a11 > 0 && a.a22 > 0;  // false for NaN, too
+  if (!positive || !std::isfinite(a.a00 + a.a11 + a.a22 + a.a10 + a.a20 + a.a21))
+    return std::nullopt;
+  return a;
+}
+
+std::array<double, 6> two_eigenvalues(double along, double across, Direction n) {
+  const double d = along - across;
+  return {across + d * n.x * n.x, across + d * n.y * n.y, across + d * n.z * n.z,
+          d * n.x * n.y,          d * n.x * n.z,          d * n.y * n.z};
+}
+
+}  // namespace
+
+Sggx::Sggx(const std::array<double, 6>& s)
+    : a_(cholesky(s).value()),
+      symmetric_about_z_(s[0] == s[1] && s[3] == 0 && s[4] == 0 && s[5] == 0) {}
+
+std::array<double, 6> Sggx::surface_matrix(double alpha, Direction n) {
+  return two_eigenvalues(1, alpha * alpha, n);
+}
+
+std::array<double, 6> Sggx::fiber_matrix(double alpha, Direction t) {
+  return two_eigenvalues(alpha * alpha, 1, t);
+}
+
+bool Sggx::is_positive_definite(const std::array<double, 6>& s) { return cholesky(s).has_value(); }
+
+double Sggx::mirror_phase(Direction wi, Direction wo) const {
+  return density_of(half_vector(wi, wo)) / (4 * sigma(wi));
+}
+
+double Sggx::diffuse_phase(Direction wi, Direction wo) const {
+  using boost::math::quadrature::gauss_kronrod;
+  // With u on the sphere: 1 / (pi^2 sigma_i) times the integral of <A^T w_i, u> <A^T w_o, u> / |A
+  // u|. In the frame whose pole is the edge of the lune, u = (r cos psi, r sin psi, t), r^2 = 1 -
+  // t^2.
+  const Direction vi = a_.apply_transposed(wi), vo = a_.apply_transposed(wo);
+  const double li = length(vi), lo = length(vo);
+  const Direction i = (1 / li) * vi, o = (1 / lo) * vo;
+  Direction pole = cross(i, o);
+  const double sine = length(pole);
+  const double gap = std::atan2(sine, dot(i, o));  // angle between the two poles of the lune
+  if (gap >= kPi) return 0;
+  pole = sine > 1e-12 ? (1 / sine) * pole : frame_around(i).s;
+  const Direction side = cross(pole, i);
+
+  const Direction ai = a_.apply(i), as = a_.apply(side), ap = a_.apply(pole);
+  const double pp = dot(ap, ap);
+  const auto over_psi = [&](double t) {
+    const double r = std::sqrt((1 - t) * (1 + t));
+    const auto integrand = [&](double psi) {
+      const double c = std::cos(psi), s = std::sin(psi);
+      const Direction in_plane = c * ai + s * as;
+      const double norm2 =
+          r * r * dot(in_plane, in_plane) + 2 * r * t * dot(in_plane, ap) + t * t * pp;
+      return r * r * c * std::cos(psi - gap) / std::sqrt(norm2);
+    };
+    return gauss_kronrod<double, 21>::integrate(integrand, gap - kPi / 2, kPi / 2, 12, 1e-9);
+  };
+  // The ridge of 1 / |A u| may cross the lune anywhere; halves let the adaptive rule find it.
+  double sum = 0;
+  for (const double from : {-1.0, -0.5, 0.0, 0.5})
+    sum += gauss_kronrod<double, 21>::integrate(over_psi, from, from + 0.5, 12, 1e-9);
+  return lo * sum / (kPi * kPi);
+}
+
+}  // namespace lamella

@@ -1,0 +1,56 @@
+#include "phase/stack.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella {
+
+bool Stack::is_half_space() const { return !layers.empty() && std::isinf(layers.back().depth()); }
+
+bool Stack::is_grey() const {
+  return std::all_of(layers.begin(), layers.end(),
+                     [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); }) &&
+         (!substrate || substrate->albedo.is_grey());
+}
+
+bool Stack::is_symmetric_about_z() const {
+  return std::all_of(layers.begin(), layers.end(),
+                     [](const Layer& l) { return lamella::is_symmetric_about_z(l.medium); });
+}
+
+bool Stack::is_reciprocal() const {
+  return std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
+    const Direction n = mean_normal(l.medium);
+    return n.x == 0 && n.y == 0;
+  });
+}
+
+double Stack::one_sidedness() const {
+  double sum = 0;
+  for (const Layer& layer : layers) {
+    const double z = mean_normal(layer.medium).z;
+    if (z != 0) sum += layer.depth() * z;
+  }
+  return sum;
+}
+
+double Stack::uncollided(Direction w) const {
+  if (is_half_space()) return 0;
+  w = with_grazing_limit(w);
+  double optical_depth = 0;
+  for (const Layer& layer : layers)
+    optical_depth += layer.depth() * sigma(layer.medium, w) / std::abs(w.z);
+  return std::exp(-optical_depth);
+}
+
+Stack whitened(Stack stack) {
+  for (Layer& layer : stack.layers) {
+    layer.albedo = Rgb(1);
+    layer.f0 = Rgb(1);
+    if (layer.parameters.has("f0")) layer.parameters.set("f0", Rgb(1));
+  }
+  if (stack.substrate) stack.substrate->albedo = Rgb(1);
+  return stack;
+}
+
+}  // namespace lamella

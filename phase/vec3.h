@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cmath>
+
+namespace lamella {
+
+/// Three numbers; Real is double (the reference) or a pack of float lanes. Directions are unit
+/// vectors that point away from the stack, z up (the macroscopic normal).
+template <class Real>
+struct Vec3 {
+  Real x, y, z;
+
+  friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr Vec3 operator*(Real s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+};
+
+using Direction = Vec3<double>;
+
+template <class Real>
+[[nodiscard]] constexpr Real dot(Vec3<Real> a, Vec3<Real> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class Real>
+[[nodiscard]] constexpr Vec3<Real> cross(Vec3<Real> a, Vec3<Real> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class Real>
+[[nodiscard]] Real length(Vec3<Real> a) {
+  using std::sqrt;
+  return sqrt(dot(a, a));
+}
+
+/// The unit vector along a. a must not be zero.
+template <class Real>
+[[nodiscard]] Vec3<Real> normalized(Vec3<Real> a) {
+  using std::sqrt;
+  return (Real(1) / sqrt(dot(a, a))) * a;
+}
+
+/// An orthonormal right-handed frame (s, t, n).
+template <class Real>
+struct Frame {
+  Vec3<Real> s, t, n;
+
+  [[nodiscard]] constexpr Vec3<Real> to_world(Vec3<Real> v) const {
+    return v.x * s + v.y * t + v.z * n;
+  }
+  [[nodiscard]] constexpr Vec3<Real> to_local(Vec3<Real> v) const {
+    return {dot(v, s), dot(v, t), dot(v, n)};
+  }
+};
+
+/// A frame around the unit vector n without branches (Duff et al. 2017, "Building an orthonormal
+/// basis, revisited", JCGT 6(1)). n = +z gives the identity.
+template <class Real>
+[[nodiscard]] Frame<Real> frame_around(Vec3<Real> n) {
+  using std::copysign;
+  const Real sign = copysign(Real(1), n.z);
+  const Real a = Real(-1) / (sign + n.z);
+  const Real b = n.x * n.y * a;
+  return {
+      {Real(1) + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+}  // namespace lamella
