@@ -1,0 +1,120 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "volume/plan.h"
+#include "volume/scorers.h"
+#include "volume/tally.h"
+
+namespace lamella {
+
+/// Walks are dealt out to this many batches, walk i to batch i mod kBatches; standard errors come
+/// from the scatter between them.
+inline constexpr int kBatches = 128;
+
+/// The walks of one incident direction. For a given seed, estimator and number of walks the sums
+/// are the same to the last bit for any number of threads and any way in which `advance` got there.
+class Simulation {
+ public:
+  /// Lobes on cells. `incident`: unit, mu = 0 is the limit from above; below a half space or an
+  /// opaque substrate it is refused (std::invalid_argument).
+  Simulation(const Stack& stack, const Plan& plan, Direction incident, Estimator estimator,
+             CellGrid grid, std::uint64_t seed);
+  /// f at points, by next-event estimation. Every point must have mu != 0; those that go up first.
+  Simulation(const Stack& stack, const Plan& plan, Direction incident,
+             std::vector<Direction> points, std::uint64_t seed);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Continues to `walks` in all, in the calling thread's task arena. Throws NonFiniteError.
+  void advance(std::uint64_t walks);
+
+  [[nodiscard]] std::uint64_t walks() const { return walks_; }
+  [[nodiscard]] std::uint64_t collisions() const;
+  [[nodiscard]] const std::vector<BatchTally>& batches() const { return batches_; }
+  [[nodiscard]] const CellTargets& targets() const { return targets_; }
+  [[nodiscard]] Direction incident() const { return incident_; }
+  [[nodiscard]] const Plan& plan() const { return plan_; }
+
+ private:
+  using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;
+  template <int C>
+  [[nodiscard]] RunBatch runner(Estimator estimator, bool points);
+
+  Stack stack_;
+  Plan plan_;
+  Direction incident_;
+  std::uint64_t seed_;
+  std::uint64_t walks_ = 0;
+  CellTargets targets_;
+  std::vector<Direction> points_;
+  WalkStack walk_stack_;
+  std::vector<BatchTally> batches_;
+  RunBatch run_batch_;
+};
+
+/// One lobe on the cells of one side: mean of f over each cell, [channel][cell], with standard
+/// errors.
+struct LobeEstimate {
+  std::vector<double> value, standard_error;
+};
+
+/// What simulate gives for one incident direction; sides are relative to it.
+struct SideResult {
+  std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
+  std::array<Estimate, 3> specular{};  ///< the part of it that met delta flakes only
+  std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
+  /// Lobes 1, 2, 3, 4+, all; empty if light cannot leave here.
+  std::array<LobeEstimate, kTallyOrders + 1> lobes{};
+};
+
+struct RunResult {
+  Direction incident{};
+  CellGrid grid;
+  int channels = 1;
+  std::uint64_t walks = 0, collisions = 0;
+  double seconds = 0;
+  SideResult reflected, transmitted;
+  std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
+};
+
+/// Reduces the batches of a simulation on cells, in batch order.
+[[nodiscard]] RunResult reduce(const Simulation& simulation);
+
+/// The sum of all parts of the ledger, 1 up to rounding.
+[[nodiscard]] double ledger_sum(const RunResult& run, int channel);
+
+/// The index of side and cell among the targets of a tally.
+[[nodiscard]] inline int target_of(const CellTargets& targets, bool up, int cell) {
+  return cell + (up ? 0 : targets.grid.cells());
+}
+
+/// When to stop. Walks are always bounded; the others end a run earlier.
+struct StopRule {
+  std::uint64_t walks = 1000000;
+  std::optional<double> target_error;  ///< largest relative standard error of lobe energies > 1e-3
+  std::optional<double> seconds;
+};
+
+/// What a run tells while it goes on.
+struct Progress {
+  std::uint64_t walks, of_walks;
+  double seconds;
+};
+
+/// Advances until the rule says stop. The error is tested at doubling numbers of walks only, from
+/// 2^14 on, because stopping on an error is biased. Returns the seconds taken. `interrupted` ends
+/// the run at the next checkpoint.
+double run(Simulation& simulation, const StopRule& rule,
+           const std::function<void(const Progress&)>& progress,
+           const std::atomic<bool>* interrupted);
+
+/// The largest relative standard error over the lobe energies above 1e-3.
+[[nodiscard]] double largest_relative_error(const Simulation& simulation);
+
+}  // namespace lamella
