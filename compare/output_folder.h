@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string_view>
+
+namespace lamella {
+
+/// A file or folder that cannot be written, or read back. what() names the path and the system's
+/// reason.
+struct OutputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Makes a folder with its parents, or takes one that is there. Throws OutputError where it is no
+/// folder, cannot be made or cannot be written to.
+void make_output_folder(const std::filesystem::path& folder);
+
+/// Writes a whole file, text or binary: a reader sees the old content or the new, never a part.
+/// The bytes go to a temporary name in the same folder, which then takes the file's place and is
+/// removed on failure. A symbolic link is followed; what is no regular file (a pipe, a device) is
+/// written to as it is. Throws OutputError.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace lamella
