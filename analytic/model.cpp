@@ -16,6 +16,10 @@ Rgb Model::eval(Direction wi, Direction wo) const {
   return sum;
 }
 
+void Model::eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const {
+  for (int lobe = 0; lobe < lobes_; ++lobe) values[lobe] = eval_lobe(lobe, wi, wo);
+}
+
 void Model::eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const {
   for (std::size_t k = 0; k < pairs.size(); ++k) values[k] = eval(pairs[k].wi, pairs[k].wo);
 }

@@ -40,6 +40,9 @@ class Model {
   /// One lobe of ModelInfo::lobes.
   [[nodiscard]] virtual Rgb eval_lobe(int lobe, Direction wi, Direction wo) const = 0;
 
+  /// All lobes at once, in the order of ModelInfo::lobes. Override where they share work.
+  virtual void eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const;
+
   /// The sum of all lobes. Override where the sum is cheaper than its parts.
   [[nodiscard]] virtual Rgb eval(Direction wi, Direction wo) const;
 

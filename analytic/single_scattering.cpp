@@ -77,6 +77,12 @@ Rgb SingleScatteringModel::eval_lobe(int lobe, Direction wi, Direction wo) const
   return lobe == 0 ? f.layers : f.substrate;
 }
 
+void SingleScatteringModel::eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const {
+  const SingleScattering f = single_scattering(stack_, wi, wo);
+  values[0] = f.layers;
+  values[1] = f.substrate;
+}
+
 Rgb SingleScatteringModel::eval(Direction wi, Direction wo) const {
   const SingleScattering f = single_scattering(stack_, wi, wo);
   return f.layers + f.substrate;

@@ -30,6 +30,7 @@ class SingleScatteringModel final : public Model {
   explicit SingleScatteringModel(Stack stack) : Model(2), stack_(std::move(stack)) {}
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override;
+  void eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const override;
   [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override;
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
                                                 double u3) const override;

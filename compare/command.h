@@ -1,0 +1,20 @@
+#pragma once
+
+#include "compare/options.h"
+
+namespace lamella {
+
+/// One function per command of the program; each prints its answer and returns the exit status.
+/// Throws UsageError, StackFileError, OutputError or NonFiniteError, which main turns into
+/// messages.
+int simulate_command(const Options& options);
+int compare_command(const Options& options);
+int furnace_command(const Options& options);
+int explain_command(const Options& options);
+int models_command(const Options& options);
+int media_command(const Options& options);
+int stacks_command(const Options& options);
+/// `words`: the model and its key=value arguments.
+int eval_command(const Options& options, const std::vector<std::string>& words);
+
+}  // namespace lamella

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include "compare/command.h"
+#include "compare/json_report.h"
+#include "compare/lobe_files.h"
+#include "compare/model_request.h"
+#include "compare/output_folder.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct JudgedModel {
+  BoundModel bound;
+  double nanoseconds = 0;
+  std::vector<LobeComparison> lobes;
+};
+
+Json channel_list(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double v : values) list.push_back(v);
+  return list;
+}
+
+Json to_json(const LobeComparison& l) {
+  return {{"mu_i", l.wi.z == kGrazingLimit ? 0.0 : l.wi.z},
+          {"phi_i", phi_degrees(l.wi)},
+          {"side", l.reflected ? "reflect" : "transmit"},
+          {"order", to_text(l.order)},
+          {"energy_truth", channel_list(l.energy_truth)},
+          {"energy_standard_error", channel_list(l.energy_error)},
+          {"energy_model", channel_list(l.energy_model)},
+          {"rmse", l.rmse},
+          {"relative_rmse", l.relative_rmse},
+          {"rmse_without_noise", l.rmse_without_noise},
+          {"relative_rmse_without_noise", l.relative_rmse_without_noise},
+          {"max_error", l.max_error},
+          {"p_value", l.p_value},
+          {"empty_cells", l.empty_cells},
+          {"verdict", to_text(l.verdict)}};
+}
+
+std::string verdict_text(const LobeComparison& l) {
+  if (l.verdict != Verdict::differs) return to_text(l.verdict);
+  if (l.relative_rmse_without_noise == 0) return "differs";
+  return fmt::format("differs by {:.2g} %", 100 * l.relative_rmse_without_noise);
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v / static_cast<double>(values.size());
+  return sum;
+}
+
+std::string table(const std::vector<JudgedModel>& models) {
+  std::string text;
+  for (const JudgedModel& m : models) {
+    text += fmt::format("\n{}", m.bound.info->name);
+    for (const auto& [key, value] : m.bound.parameters.all())
+      text += fmt::format(", {} = {}", key, to_text(value));
+    text += fmt::format(" ({:.0f} ns per evaluation)\n", m.nanoseconds);
+    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>9} {:>9} {:>9}  {}\n",
+                        "theta_i", "side", "order", "energy truth", "+-", "energy model",
+                        "rel. RMSE", "no noise", "p", "verdict");
+    for (const LobeComparison& l : m.lobes)
+      text += fmt::format(
+          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e} {:>12.5f} {:>8.2f}% {:>8.2f}% {:>9.2g}  {}\n",
+          theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
+          mean(l.energy_truth), mean(l.energy_error), mean(l.energy_model), 100 * l.relative_rmse,
+          100 * l.relative_rmse_without_noise, l.p_value, verdict_text(l));
+  }
+  return text;
+}
+
+}  // namespace
+
+int compare_command(const Options& options) {
+  const Stack stack = stack_of(options);
+  const Plan plan = make_plan(stack, options.max_order);
+  const Estimator estimator = estimator_of(options, Estimator::analog);
+  const std::vector<Direction> directions = incident_directions(options);
+  const CellGrid grid = parse_grid(options.grid);
+  std::vector<JudgedModel> judged;
+  for (BoundModel& bound : models_for(options, stack)) {
+    const double nanoseconds = nanoseconds_per_eval(*bound.model);
+    judged.push_back({std::move(bound), nanoseconds, {}});
+  }
+  const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
+  make_output_folder(folder);
+
+  std::vector<RunResult> runs;
+  for (const Direction wi : directions) {
+    Simulation simulation(stack, plan, wi, estimator, grid, options.seed);
+    runs.push_back(
+        run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi))));
+    const RunResult& run = runs.back();
+    for (JudgedModel& m : judged)
+      for (const bool reflected : {true, false}) {
+        if (!reflected && !plan.transmits) continue;
+        const bool up = (run.incident.z > 0) == reflected;
+        const ProjectedLobes projected =
+            project(*m.bound.model, *m.bound.info, wi, run.grid, up, run.channels);
+        for (LobeComparison& l : compare(simulation, run, projected, reflected))
+          m.lobes.push_back(std::move(l));
+      }
+    if (interrupted) break;
+  }
+  std::vector<LobeComparison*> all;
+  for (JudgedModel& m : judged)
+    for (LobeComparison& l : m.lobes) all.push_back(&l);
+  decide(all);
+
+  const std::string summary =
+      fmt::format("{}: {} walks per direction, {} estimator, seed {}{}\n", stack.name,
+                  runs.front().walks, to_text(estimator), options.seed,
+                  plan.channels == 3 ? "; energies are means over r, g, b" : "") +
+      table(judged);
+  Json answer = json_header("compare", stack, options);
+  answer["estimator"] = to_text(estimator);
+  answer["walks"] = runs.front().walks;
+  answer["interrupted"] = interrupted.load();
+  Json list = Json::array();
+  int pictures = 0;
+  double worst = 0;
+  for (const JudgedModel& m : judged) {
+    Json lobes = Json::array();
+    for (const LobeComparison& l : m.lobes) {
+      lobes.push_back(to_json(l));
+      if (l.order == Order::all) worst = std::max(worst, l.relative_rmse_without_noise);
+    }
+    Json parameters = Json::object();
+    for (const auto& [key, value] : m.bound.parameters.all()) parameters[key] = to_json(value);
+    list.push_back({{"name", m.bound.info->name},
+                    {"parameters", std::move(parameters)},
+                    {"ns_per_eval", m.nanoseconds},
+                    {"lobes", std::move(lobes)}});
+    // Two requests of one model get a number each.
+    std::string name = m.bound.info->name;
+    int same = 0, before = 0;
+    for (const JudgedModel& other : judged) {
+      if (&other == &m) before = same;
+      same += other.bound.info == m.bound.info;
+    }
+    if (same > 1) name += fmt::format("_{}", before);
+    write_exr(folder + "/" + name + ".exr",
+              comparison_image(stack, runs, m.lobes, estimator, options));
+    pictures += write_comparison_pictures(folder, name, stack.name, runs, m.lobes);
+  }
+  answer["models"] = std::move(list);
+  write_exr(folder + "/truth.exr", simulation_image(stack, runs, estimator, options));
+  write_file(folder + "/report.json", answer.dump(2) + "\n");
+  write_file(folder + "/summary.txt", summary);
+  if (!options.quiet) {
+    std::FILE* out = table_stream(options);
+    fmt::print(out, "{}", summary);
+    if (judged.empty()) fmt::print(out, "no closed form applies to this stack (see --model)\n");
+    if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
+    fmt::print(
+        out,
+        "\nwrote {}/: truth.exr, an EXR per model, report.json, summary.txt and {} error maps "
+        "(*.png)\n",
+        folder, pictures);
+  }
+  write_json(answer, options);
+  return options.max_error && worst > *options.max_error ? kFailed : kDone;
+}
+
+}  // namespace lamella

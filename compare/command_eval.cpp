@@ -1,0 +1,220 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iostream>
+
+#include "compare/command.h"
+#include "compare/direction_pairs.h"
+#include "compare/model_request.h"
+#include "compare/truth.h"
+#include "phase/builtin_stacks.h"
+
+namespace lamella {
+namespace {
+
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+// The rows of the answer: f per pair, and its standard error where the model is stochastic.
+struct Answer {
+  std::vector<Rgb> f;
+  std::vector<Rgb> standard_error;
+  bool color = false;
+};
+
+KeyValues split(const std::vector<std::string>& words) {
+  KeyValues values;
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::size_t equals = words[k].find('=');
+    if (equals == std::string::npos)
+      throw UsageError(fmt::format("{}: found \"{}\"; allowed: key=value", words[0], words[k]));
+    values.emplace_back(words[k].substr(0, equals), words[k].substr(equals + 1));
+  }
+  return values;
+}
+
+std::optional<std::string> take(KeyValues& values, const std::string& key) {
+  for (auto it = values.begin(); it != values.end(); ++it)
+    if (it->first == key) {
+      std::string text = it->second;
+      values.erase(it);
+      return text;
+    }
+  return std::nullopt;
+}
+
+bool has_three_values(const KeyValues& values) {
+  return std::any_of(values.begin(), values.end(), [](const auto& v) {
+    return v.first != "axis" && std::count(v.second.begin(), v.second.end(), ',') == 2;
+  });
+}
+
+// media.NAME.sigma and media.NAME.phase, with the keys of a layer.
+Answer eval_medium(const std::string& what, const KeyValues& given,
+                   const std::vector<DirectionPair>& pairs) {
+  const std::size_t dot = what.rfind('.');
+  const std::string name = what.substr(6, dot - 6), part = what.substr(dot + 1);
+  const MediumInfo* info = dot > 6 ? find_medium(name) : nullptr;
+  std::vector<std::string> names;
+  for (const MediumInfo& m : media())
+    for (const char* p : {".sigma", ".phase"}) names.push_back("media." + m.name + p);
+  if (!info || (part != "sigma" && part != "phase")) {
+    const std::string hint = suggestion(what, names);
+    throw UsageError(fmt::format("\"{}\": unknown{}; allowed: {}", what,
+                                 hint.empty() ? "" : ", " + hint, listed(names)));
+  }
+  // A layer's other keys are taken, too, and change neither sigma nor p.
+  std::vector<ParameterInfo> infos = info->parameters;
+  infos.push_back(
+      {.name = "albedo", .kind = ParameterKind::color, .unit = "1", .doc = "", .min = 0, .max = 1});
+  infos.push_back({.name = "thickness", .unit = "mm", .doc = "", .min = 0});
+  infos.push_back({.name = "density", .unit = "1/mm", .doc = "", .min = 0, .max_open = true});
+  Parameters parameters = read_parameters(what, infos, given);
+  Answer answer;
+  try {
+    const Medium medium = info->make(parameters);
+    for (const DirectionPair& pair : pairs)
+      answer.f.emplace_back(part == "sigma" ? sigma(medium, pair.wi)
+                                            : phase(medium, pair.wi, pair.wo).density);
+  } catch (const ParameterError& error) {
+    throw UsageError(fmt::format("{}: {}", what, error.what()));
+  }
+  return answer;
+}
+
+Answer eval_truth(KeyValues values, const std::vector<DirectionPair>& pairs,
+                  const Options& options) {
+  const auto stack_name = take(values, "stack");
+  if (!stack_name)
+    throw UsageError(
+        "truth: key \"stack\": found nothing; allowed: a stack file, - or a built-in stack");
+  const Stack stack = load_stack(*stack_name);
+  const auto walks = take(values, "walks");
+  const auto estimator = take(values, "estimator");
+  const auto seed = take(values, "seed");
+  if (estimator && *estimator != "auto" && *estimator != "next-event")
+    throw UsageError(fmt::format(
+        "truth: key \"estimator\": found \"{}\"; allowed: auto, next-event", *estimator));
+  if (!values.empty())
+    throw UsageError(fmt::format(
+        "truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed", values[0].first));
+  Options with_seed = options;
+  if (seed) {
+    char* end = nullptr;
+    with_seed.seed = std::strtoull(seed->c_str(), &end, 10);
+    if (seed->empty() || *end)
+      throw UsageError(
+          fmt::format("truth: key \"seed\": found \"{}\"; allowed: a whole number", *seed));
+  }
+  Answer answer;
+  answer.color = !stack.is_grey();
+  for (const TruthValue& v : truth_at(stack, pairs, walks ? parse_walks(*walks) : options.walks,
+                                      options.max_order, with_seed.seed)) {
+    answer.f.push_back(v.f);
+    answer.standard_error.push_back(v.standard_error);
+  }
+  return answer;
+}
+
+// MODEL, MODEL.pdf, MODEL.albedo or MODEL.LOBE.
+Answer eval_model(const std::string& what, KeyValues values,
+                  const std::vector<DirectionPair>& pairs) {
+  std::optional<Stack> stack;
+  Answer answer;
+  answer.color = has_three_values(values);
+  const std::size_t dot = what.find('.');
+  const std::string name = what.substr(0, dot);
+  const std::string part = dot == std::string::npos ? "" : what.substr(dot + 1);
+  const ModelInfo* info = find_model(name);
+  if (info && info->needs_stack)
+    if (const auto stack_name = take(values, "stack")) {
+      stack = load_stack(*stack_name);
+      answer.color = answer.color || !stack->is_grey();
+    }
+  const BoundModel bound = bind_model({name, values}, stack ? &*stack : nullptr);
+  int lobe = -1;
+  std::vector<std::string> parts{"pdf", "albedo"};
+  for (std::size_t k = 0; k < bound.info->lobes.size(); ++k) {
+    parts.push_back(bound.info->lobes[k].name);
+    if (bound.info->lobes[k].name == part) lobe = static_cast<int>(k);
+  }
+  if (!part.empty() && part != "pdf" && part != "albedo" && lobe < 0) {
+    const std::string hint = suggestion(part, parts);
+    throw UsageError(fmt::format("{}: part \"{}\": unknown{}; allowed: {}", name, part,
+                                 hint.empty() ? "" : ", " + hint, listed(parts)));
+  }
+  if (stack && !stack->is_open_below())
+    for (const DirectionPair& pair : pairs)
+      if (pair.wi.z < 0)
+        throw UsageError(fmt::format(
+            "{}: light from below {}", name,
+            stack->substrate ? "meets an opaque substrate" : "cannot come through a half space"));
+  for (const DirectionPair& pair : pairs) {
+    if (part == "pdf") {
+      answer.f.emplace_back(bound.model->pdf(pair.wi, pair.wo));
+      answer.color = false;
+    } else if (part == "albedo") {
+      answer.f.push_back(bound.model->albedo(with_grazing_limit(pair.wi)));
+    } else {
+      const bool grazing = pair.wi.z == 0 && pair.wo.z == 0;
+      const Rgb f = lobe < 0 ? bound.model->eval(pair.wi, pair.wo)
+                             : bound.model->eval_lobe(lobe, pair.wi, pair.wo);
+      const bool finite = std::isfinite(f.r + f.g + f.b);
+      if (grazing && (!finite || bound.info->needs_stack))
+        throw UsageError(fmt::format(
+            "{}: both cosines are 0, where it has no limit; allowed: at most one", name));
+      answer.f.push_back(f);
+    }
+  }
+  return answer;
+}
+
+std::string row_text(const Rgb& v, bool color) {
+  return color ? fmt::format(",{:.17g},{:.17g},{:.17g}", v.r, v.g, v.b)
+               : fmt::format(",{:.17g}", v.r);
+}
+
+}  // namespace
+
+int eval_command(const Options& options, const std::vector<std::string>& words) {
+  DirectionPairs pairs;
+  if (options.pairs == "-") {
+    pairs = read_pairs(std::cin, "<stdin>");
+  } else {
+    std::ifstream file(options.pairs);
+    if (!file)
+      throw UsageError(fmt::format("{}: {}; allowed: a CSV file of direction pairs, or -",
+                                   options.pairs, std::strerror(errno)));
+    pairs = read_pairs(file, options.pairs);
+  }
+  const std::string& what = words[0];
+  Answer answer;
+  try {
+    if (what == "truth")
+      answer = eval_truth(split(words), pairs.pairs, options);
+    else if (what.starts_with("media."))
+      answer = eval_medium(what, split(words), pairs.pairs);
+    else
+      answer = eval_model(what, split(words), pairs.pairs);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("{}: {}", what, error.what()));
+  }
+  std::string text = pairs.header + (answer.color ? ",f_r,f_g,f_b" : ",f");
+  if (!answer.standard_error.empty()) text += answer.color ? ",se_r,se_g,se_b" : ",se";
+  text += '\n';
+  for (std::size_t k = 0; k < pairs.rows.size(); ++k) {
+    const Rgb f = answer.f[k];
+    if (!std::isfinite(f.r + f.g + f.b))
+      throw std::domain_error(fmt::format("{}: a value that is not finite at {} = {}", what,
+                                          pairs.header, pairs.rows[k]));
+    text += pairs.rows[k] + row_text(f, answer.color);
+    if (!answer.standard_error.empty()) text += row_text(answer.standard_error[k], answer.color);
+    text += '\n';
+  }
+  fmt::print("{}", text);
+  return kDone;
+}
+
+}  // namespace lamella

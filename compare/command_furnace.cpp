@@ -1,0 +1,162 @@
+#include <fmt/format.h>
+
+#include "compare/command.h"
+#include "compare/furnace.h"
+#include "compare/json_report.h"
+#include "compare/model_request.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Chance that a true furnace fails, over all directions and channels of one command.
+constexpr double kFalseAlarm = 1e-3;
+// What a closed form may miss of the energy unless --max-error says otherwise.
+constexpr double kModelTolerance = 1e-3;
+// A furnace needs totals only: few targets keep next-event estimation cheap.
+constexpr CellGrid kFurnaceGrid{4, 8, false};
+
+int status_of(const std::string& verdict, const Options& options) {
+  if (verdict == "fail") return kFailed;
+  return verdict == "inconclusive" && options.strict ? kFailed : kDone;
+}
+
+std::string worse(const std::string& a, const std::string& b) {
+  for (const char* v : {"fail", "inconclusive"})
+    if (a == v || b == v) return v;
+  return "pass";
+}
+
+int model_furnace(const Options& options, const Stack& stack) {
+  Json answer = json_header("furnace", stack, options);
+  Json list = Json::array();
+  std::string overall = "pass";
+  const double tolerance = options.max_error.value_or(kModelTolerance);
+  std::FILE* out = table_stream(options);
+  for (const std::string& text : options.models) {
+    ModelRequest request = parse_model_request(text);
+    if (!options.as_is)
+      if (const ModelInfo* info = find_model(request.name))
+        for (const char* key : {"albedo", "rho", "f0"})
+          if (find(info->parameters, key)) {
+            std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
+            request.values.emplace_back(key, "1");
+          }
+    Options one = options;
+    std::string joined = request.name;
+    for (const auto& [key, value] : request.values) joined += "," + key + "=" + value;
+    one.models = {joined};
+    const BoundModel bound = std::move(models_for(one, stack).front());
+    Json runs = Json::array();
+    for (const Direction wi : incident_directions(options)) {
+      const Direction w = with_grazing_limit(wi);
+      const Rgb scattered = bound.model->albedo(w);
+      const double passed = bound.model->uncollided(w);
+      std::string verdict = "pass";
+      Json energy = Json::array();
+      double worst = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double e = scattered[c] + passed;
+        if (!std::isfinite(e))
+          throw std::domain_error("the model gives a value that is not finite");
+        energy.push_back(e);
+        worst = std::max(worst, options.as_is ? e - 1 : std::abs(e - 1));
+      }
+      if (worst > tolerance) verdict = "fail";
+      overall = worse(overall, verdict);
+      runs.push_back(
+          {{"mu_i", wi.z}, {"phi_i", phi_degrees(wi)}, {"energy", energy}, {"verdict", verdict}});
+      if (!options.quiet)
+        fmt::print(out, "{} theta_i {:g}: energy {:.6f} {:.6f} {:.6f}, {}\n", bound.info->name,
+                   theta_degrees(wi), energy[0].get<double>(), energy[1].get<double>(),
+                   energy[2].get<double>(), verdict);
+    }
+    list.push_back({{"name", bound.info->name}, {"runs", std::move(runs)}});
+  }
+  answer["verdict"] = overall;
+  answer["tolerance"] = tolerance;
+  answer["models"] = std::move(list);
+  answer["runs"] = answer["models"][0]["runs"];
+  if (!options.quiet) fmt::print(out, "{}\n", overall);
+  write_json(answer, options);
+  return status_of(overall, options);
+}
+
+}  // namespace
+
+int furnace_command(const Options& options) {
+  Stack stack = stack_of(options);
+  if (!options.as_is) stack = whitened(std::move(stack));
+  if (!options.models.empty()) return model_furnace(options, stack);
+  const Plan plan = make_plan(stack, options.max_order);
+  const Estimator estimator = estimator_of(options, Estimator::next_event);
+  const std::vector<Direction> directions = incident_directions(options);
+  const double level = -std::expm1(std::log1p(-kFalseAlarm) /
+                                   static_cast<double>(directions.size() * plan.channels));
+  std::FILE* out = table_stream(options);
+  if (!options.quiet)
+    fmt::print(out,
+               "{}: furnace{}, {} estimator\n  {:>7} {:>10} {:>9} {:>10} {:>10} {:>10} {:>10} "
+               "{:>10}  {}\n",
+               stack.name, options.as_is ? " as it is" : ", all albedos at 1", to_text(estimator),
+               "theta_i", "energy", "+-", "reflected", "transm.", "uncollided", "absorbed",
+               "unresolved", "verdict");
+  Json answer = json_header("furnace", stack, options);
+  Json runs = Json::array();
+  std::string overall = "pass";
+  for (const Direction wi : directions) {
+    Simulation simulation(stack, plan, wi, estimator, kFurnaceGrid, options.seed);
+    RunResult timed =
+        run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi)));
+    FurnaceRun furnace = judge_furnace(simulation, !options.as_is, level);
+    furnace.run.seconds = timed.seconds;
+    const std::string verdict = to_text(furnace.verdict);
+    overall = worse(overall, verdict);
+    Json entry = to_json(furnace.run);
+    entry["energy"] = values_of(furnace.energy, plan.channels);
+    entry["energy_standard_error"] = errors_of(furnace.energy, plan.channels);
+    entry["verdict"] = verdict;
+    const RunResult& run = furnace.run;
+    if (!options.quiet)
+      for (int c = 0; c < plan.channels; ++c)
+        fmt::print(out,
+                   "  {:>7g} {:>10.6f} {:>9.1e} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} "
+                   "{:>10.6f}  {}\n",
+                   theta_degrees(wi), furnace.energy[c].value, furnace.energy[c].standard_error,
+                   run.reflected.total[c].value, run.transmitted.total[c].value,
+                   run.uncollided[c].value, run.absorbed[c].value, run.unresolved[c].value,
+                   c == 0 ? verdict : "");
+    // A one-sided slab has a second furnace: radiance under uniform light from both sides.
+    if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0) {
+      const RadianceCheck check =
+          check_radiance(stack, make_plan(stack, options.max_order), wi, run.walks, options.seed);
+      entry["radiance"] = {{"measured", check.measured},
+                           {"standard_error", check.standard_error},
+                           {"predicted", check.predicted},
+                           {"predicted_standard_error", check.predicted_error}};
+      if (!options.quiet)
+        fmt::print(out,
+                   "          radiance under uniform light from both sides: {:.5f} +- {:.1e}, "
+                   "predicted {:.5f} +- {:.1e}\n",
+                   check.measured, check.standard_error, check.predicted, check.predicted_error);
+    }
+    runs.push_back(std::move(entry));
+    if (interrupted) break;
+  }
+  answer["estimator"] = to_text(estimator);
+  answer["verdict"] = overall;
+  answer["interrupted"] = interrupted.load();
+  answer["runs"] = std::move(runs);
+  if (!options.quiet) {
+    fmt::print(out, "{}\n", overall);
+    if (overall == "inconclusive")
+      fmt::print(out,
+                 "walks cut after {} events hold more light than the noise (see --max-order)\n",
+                 options.max_order);
+  }
+  write_json(answer, options);
+  return status_of(overall, options);
+}
+
+}  // namespace lamella

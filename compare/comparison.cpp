@@ -1,0 +1,185 @@
+#include "compare/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "compare/statistics.h"
+
+namespace lamella {
+namespace {
+
+// Events that make a mean over batches near enough to normal for the tails that a report looks at.
+constexpr double kPooledEvents = 100;
+constexpr double kHiddenError = 0.1;
+
+BatchSums lobe_sums(const Simulation& truth, bool up, int order) {
+  const CellTargets& targets = truth.targets();
+  const int channels = truth.plan().channels, cells = targets.grid.cells();
+  const int count = targets.count();
+  BatchSums out;
+  for (const BatchTally& batch : truth.batches()) {
+    out.walks.push_back(static_cast<double>(batch.walks));
+    std::vector<double> row(static_cast<std::size_t>(channels) * cells);
+    for (int o = 0; o < kTallyOrders; ++o) {
+      if (order < kTallyOrders && o != order) continue;
+      for (int c = 0; c < channels; ++c)
+        for (int cell = 0; cell < cells; ++cell)
+          row[static_cast<std::size_t>(c) * cells + cell] +=
+              batch.f[(static_cast<std::size_t>(o) * channels + c) * count +
+                      target_of(targets, up, cell)];
+    }
+    out.sums.push_back(std::move(row));
+  }
+  return out;
+}
+
+// A few patches of the hemisphere, so that a broad difference shows that no single cell shows.
+std::vector<int> patches(const CellGrid& grid, int channels, int& count) {
+  const int rows = std::min(4, grid.rows());
+  const int columns = std::min(channels == 1 ? 4 : 2, grid.columns());
+  std::vector<int> group;
+  for (int c = 0; c < channels; ++c)
+    for (int row = 0; row < grid.rows(); ++row)
+      for (int column = 0; column < grid.columns(); ++column)
+        group.push_back((c * rows + row * rows / grid.rows()) * columns +
+                        column * columns / grid.columns());
+  count = channels * rows * columns;
+  return group;
+}
+
+std::vector<double> grouped_values(const std::vector<double>& values, const std::vector<int>& group,
+                                   int groups) {
+  std::vector<double> out(groups);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (group[k] >= 0) out[group[k]] += values[k];
+  return out;
+}
+
+double p_value_of(const BatchSums& sums, const std::vector<double>& model, const CellGrid& grid,
+                  int channels) {
+  int patch_count = 0;
+  const std::vector<int> patch = patches(grid, channels, patch_count);
+  const BatchSums patched = grouped(sums, patch, patch_count);
+  const std::vector<double> patched_model = grouped_values(model, patch, patch_count);
+  // Patches that are seen too rarely are pooled like cells are.
+  const auto tests = [&](const BatchSums& s, const std::vector<double>& expected, bool hotelling) {
+    const std::vector<int> group = pooled_groups(s, kPooledEvents);
+    const int groups = group.empty() ? 0 : 1 + *std::max_element(group.begin(), group.end());
+    if (groups == 0) {
+      // Hardly anything arrives: all that can be told is whether anything should. A walk adds at
+      // most 1 to the energy, so the chance that none arrives is at most exp(-expected energy).
+      const std::vector<int> one(s.quantities(), 0);
+      const Means mean = means_of(grouped(s, one, 1));
+      const std::vector<double> total = grouped_values(expected, one, 1);
+      if (mean.value[0] == 0)
+        return std::exp(-std::max(0.0, total[0]) * grid.projected_solid_angle() *
+                        std::accumulate(s.walks.begin(), s.walks.end(), 0.0) / channels);
+      return largest_deviation_p_value(mean, total, s.batches());
+    }
+    const BatchSums pooled = grouped(s, group, groups);
+    const std::vector<double> pooled_expected = grouped_values(expected, group, groups);
+    return hotelling ? hotelling_p_value(pooled, pooled_expected)
+                     : largest_deviation_p_value(means_of(pooled), pooled_expected, s.batches());
+  };
+  const double broad = tests(patched, patched_model, true);
+  const double local = tests(sums, model, false);
+  return std::min(1.0, 2 * std::min(broad, local));
+}
+
+}  // namespace
+
+std::string to_text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::agrees:
+      return "agrees";
+    case Verdict::differs:
+      return "differs";
+    case Verdict::insufficient:
+      break;
+  }
+  return "insufficient";
+}
+
+std::vector<double> LobeComparison::z() const {
+  std::vector<double> out(truth.size());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (standard_error[k] > 0) out[k] = (model[k] - truth[k]) / standard_error[k];
+  return out;
+}
+
+std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& run,
+                                    const ProjectedLobes& model, bool reflected) {
+  std::vector<LobeComparison> lobes;
+  const SideResult& side = reflected ? run.reflected : run.transmitted;
+  const bool up = (run.incident.z > 0) == reflected;
+  const double solid_angle = run.grid.projected_solid_angle();
+  for (int o = 0; o <= kOrders; ++o) {
+    if (!model.has[o]) continue;
+    LobeComparison l;
+    l.wi = run.incident;
+    l.reflected = reflected;
+    l.order = static_cast<Order>(o);
+    l.truth = side.lobes[o].value;
+    l.standard_error = side.lobes[o].standard_error;
+    l.model = model.lobes[o];
+    const BatchSums sums = lobe_sums(truth, up, o);
+    const std::size_t cells = run.grid.cells(), n = l.truth.size();
+    std::vector<int> channel_of(n);
+    for (std::size_t k = 0; k < n; ++k) channel_of[k] = static_cast<int>(k / cells);
+    const Means energy = means_of(grouped(sums, channel_of, run.channels));
+    const std::vector<double> model_energy = grouped_values(l.model, channel_of, run.channels);
+    for (int c = 0; c < run.channels; ++c) {
+      l.energy_truth.push_back(energy.value[c] * solid_angle);
+      l.energy_error.push_back(energy.standard_error[c] * solid_angle);
+      l.energy_model.push_back(model_energy[c] * solid_angle);
+    }
+    double squares = 0, noise = 0, truth_squares = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double d = l.model[k] - l.truth[k];
+      const double variance = l.standard_error[k] * l.standard_error[k];
+      squares += d * d / n;
+      noise += variance / n;
+      truth_squares += l.truth[k] * l.truth[k] / n;
+      l.max_error = std::max(l.max_error, std::abs(d));
+      l.empty_cells += l.standard_error[k] == 0;
+    }
+    const double truth_rms = std::sqrt(std::max(truth_squares - noise, 0.0));
+    const auto relative = [&](double x) { return truth_rms > 0 ? x / truth_rms : 0; };
+    l.rmse = std::sqrt(squares);
+    l.relative_rmse = relative(l.rmse);
+    l.rmse_without_noise = std::sqrt(std::max(squares - noise, 0.0));
+    l.relative_rmse_without_noise = relative(l.rmse_without_noise);
+    l.p_value = p_value_of(sums, l.model, run.grid, run.channels);
+    lobes.push_back(std::move(l));
+  }
+  return lobes;
+}
+
+void decide(std::vector<LobeComparison*> lobes) {
+  if (lobes.empty()) return;
+  const double level = -std::expm1(std::log1p(-kReportFalseAlarm) / lobes.size());
+  for (LobeComparison* l : lobes) {
+    if (l->p_value < level) {
+      l->verdict = Verdict::differs;
+      continue;
+    }
+    // How large a squared difference the noise could hide, two of its standard deviations up.
+    double fourth = 0, squares = 0, noise = 0;
+    const double n = static_cast<double>(l->truth.size());
+    for (std::size_t k = 0; k < l->truth.size(); ++k) {
+      const double variance = l->standard_error[k] * l->standard_error[k];
+      fourth += variance * variance;
+      noise += variance / n;
+      squares += l->truth[k] * l->truth[k] / n;
+    }
+    const double hidden =
+        l->rmse_without_noise * l->rmse_without_noise + 2 * std::sqrt(2 * fourth) / n;
+    const double truth = std::max(squares - noise, 0.0);
+    const bool nothing = squares == 0 && l->rmse == 0;
+    l->verdict = nothing || hidden <= kHiddenError * kHiddenError * truth ? Verdict::agrees
+                                                                          : Verdict::insufficient;
+  }
+}
+
+}  // namespace lamella

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/projection.h"
+#include "volume/simulation.h"
+
+namespace lamella {
+
+enum class Verdict { agrees, differs, insufficient };
+
+[[nodiscard]] std::string to_text(Verdict verdict);
+
+/// A closed form against the simulation, on one lobe: one incident direction, side and order.
+/// Cells have equal projected solid angles, so plain means over cells are means over the lobe.
+struct LobeComparison {
+  Direction wi{};
+  bool reflected = true;
+  Order order = Order::all;
+  std::vector<double> energy_truth, energy_error, energy_model;  ///< per channel
+  double rmse = 0;                ///< root of the mean squared difference [1/sr], all channels
+  double relative_rmse = 0;       ///< over the root mean square of the truth
+  double rmse_without_noise = 0;  ///< with the variance of the noise removed, 0 if that exceeds it
+  double relative_rmse_without_noise = 0;
+  double max_error = 0;  ///< largest |difference| of a cell, noise included [1/sr]
+  double p_value = 1;    ///< of the hypothesis that model and truth are the same
+  int empty_cells = 0;   ///< of the truth: no standard error, pooled in the test
+  Verdict verdict = Verdict::agrees;
+
+  // The maps, [channel][cell].
+  std::vector<double> truth, standard_error, model;
+
+  /// (model - truth) / standard error; 0 in cells without one.
+  [[nodiscard]] std::vector<double> z() const;
+};
+
+/// Compares a projected model with every lobe it stands for and the lobe "all" of one run. Verdicts
+/// are left at `agrees` until `decide` has seen all comparisons of a report.
+[[nodiscard]] std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& run,
+                                                  const ProjectedLobes& model, bool reflected);
+
+/// Chance that a report with only true models calls one of them different.
+inline constexpr double kReportFalseAlarm = 0.01;
+
+/// Sets the verdicts: `differs` if the p-value is below the level that the report's lobes share
+/// (Sidak), `insufficient` if it is not but the noise could hide a relative RMSE of 10 %.
+void decide(std::vector<LobeComparison*> lobes);
+
+}  // namespace lamella

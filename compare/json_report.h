@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "compare/options.h"
+#include "phase/stack.h"
+#include "volume/simulation.h"
+
+namespace lamella {
+
+/// What every JSON answer starts with: format, command, stack, seed, threads, isa.
+[[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, const Stack& stack,
+                                                 const Options& options);
+
+/// The resolved stack, every default filled in; infinity is the string "inf".
+[[nodiscard]] nlohmann::ordered_json to_json(const Stack& stack);
+
+/// A number as JSON has it: infinity and nan as strings.
+[[nodiscard]] nlohmann::ordered_json json_number(double value);
+
+/// A value of a parameter: a number, a list or a string.
+[[nodiscard]] nlohmann::ordered_json to_json(const ParameterValue& value);
+
+/// Per channel, the values and the standard errors of estimates.
+[[nodiscard]] nlohmann::ordered_json values_of(const std::array<Estimate, 3>& e, int channels);
+[[nodiscard]] nlohmann::ordered_json errors_of(const std::array<Estimate, 3>& e, int channels);
+
+/// One incident direction of `simulate`.
+[[nodiscard]] nlohmann::ordered_json to_json(const RunResult& run);
+
+/// Writes the answer to the file or stdout that --json names; nothing if it was not given.
+void write_json(const nlohmann::ordered_json& answer, const Options& options);
+
+}  // namespace lamella

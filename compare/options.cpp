@@ -1,0 +1,138 @@
+#include "compare/options.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "phase/builtin_stacks.h"
+
+namespace lamella {
+
+std::atomic<bool> interrupted = false;
+
+namespace {
+
+std::optional<double> number(std::string_view text) {
+  double value = 0;
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+ModelRequest parse_model_request(const std::string& text) {
+  ModelRequest request;
+  std::size_t from = 0;
+  for (bool first = true; from <= text.size(); first = false) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const std::string part = text.substr(from, comma - from);
+    from = comma + 1;
+    const std::size_t equals = part.find('=');
+    if (first) {
+      request.name = part;
+    } else if (equals != std::string::npos) {
+      request.values.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+    } else if (!request.values.empty()) {
+      request.values.back().second += "," + part;
+    } else {
+      throw UsageError(
+          fmt::format("--model {}: found \"{}\" after the name; allowed: key=value", text, part));
+    }
+  }
+  return request;
+}
+
+std::vector<Direction> incident_directions(const Options& options) {
+  std::vector<Direction> directions;
+  if (options.incident.empty()) {
+    for (const double theta : {0.0, 30.0, 60.0, 80.0})
+      directions.push_back(direction_from_degrees(theta, 0));
+    return directions;
+  }
+  for (const std::string& text : options.incident) {
+    const std::size_t comma = text.find(',');
+    const auto theta = number(std::string_view(text).substr(0, comma));
+    const auto phi =
+        comma == std::string::npos ? std::optional(0.0) : number(text.substr(comma + 1));
+    if (!theta || !phi || !(*theta >= 0 && *theta <= 180) || !std::isfinite(*phi))
+      throw UsageError(fmt::format(
+          "--wi: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180]", text));
+    directions.push_back(direction_from_degrees(*theta, *phi));
+  }
+  return directions;
+}
+
+CellGrid parse_grid(const std::string& text) {
+  const std::size_t x = text.find('x');
+  CellGrid grid;
+  const auto read = [&](std::string_view part, int& value) {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc{} && end == part.data() + part.size() && value >= 1 && value <= 4096;
+  };
+  const std::string_view view = text;
+  if (x == std::string::npos || !read(view.substr(0, x), grid.mu_cells) ||
+      !read(view.substr(x + 1), grid.phi_cells))
+    throw UsageError(fmt::format(
+        "--grid: found \"{}\"; allowed: MUxPHI, such as 16x32, each from 1 to 4096", text));
+  return grid;
+}
+
+std::uint64_t parse_walks(const std::string& text) {
+  const auto value = number(text);
+  if (!value || !(*value >= kBatches && *value <= 1e15) || *value != std::floor(*value))
+    throw UsageError(fmt::format(
+        "--walks: found \"{}\"; allowed: a whole number from {} (one walk per batch) to 1e15", text,
+        kBatches));
+  return static_cast<std::uint64_t>(*value);
+}
+
+Stack stack_of(const Options& options) {
+  return load_stack(options.stack.empty() ? std::string(kDefaultStack) : options.stack);
+}
+
+StopRule stop_rule(const Options& options) {
+  return {options.walks, options.target_error, options.seconds};
+}
+
+Estimator estimator_of(const Options& options, Estimator automatic) {
+  if (options.estimator == "analog") return Estimator::analog;
+  if (options.estimator == "next-event") return Estimator::next_event;
+  return automatic;
+}
+
+double theta_degrees(Direction w) {
+  const double theta = std::atan2(std::hypot(w.x, w.y), w.z) * 180 / kPi;
+  return std::round(theta * 1e9) / 1e9;
+}
+
+double phi_degrees(Direction w) {
+  if (w.x == 0 && w.y == 0) return 0;
+  return std::round(azimuth(w) * 180 / kPi * 1e9) / 1e9;
+}
+
+std::FILE* table_stream(const Options& options) { return options.json == "-" ? stderr : stdout; }
+
+RunResult run_with_progress(Simulation& simulation, const Options& options,
+                            const std::string& label) {
+  const bool show = !options.quiet && isatty(STDERR_FILENO);
+  const auto progress = [&](const Progress& p) {
+    if (!show) return;
+    const double rate = p.walks / std::max(p.seconds, 1e-9);
+    double left = (p.of_walks - p.walks) / rate;
+    if (options.seconds) left = std::min(left, std::max(0.0, *options.seconds - p.seconds));
+    fmt::print(stderr, "\r{}: {:.3g} of {:.3g} walks, {:.3g}/s, {:.0f} s left \x1b[K", label,
+               static_cast<double>(p.walks), static_cast<double>(p.of_walks), rate, left);
+    std::fflush(stderr);
+  };
+  const double seconds = run(simulation, stop_rule(options), progress, &interrupted);
+  if (show) fmt::print(stderr, "\r\x1b[K");
+  RunResult result = reduce(simulation);
+  result.seconds = seconds;
+  return result;
+}
+
+}  // namespace lamella

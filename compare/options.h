@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "volume/simulation.h"
+
+namespace lamella {
+
+/// Exit statuses of the program.
+inline constexpr int kDone = 0, kFailed = 1, kUsage = 2, kInvalidNumbers = 3;
+
+/// Wrong usage or bad input: what() is one line for the user; exit status 2.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A model asked for on the command line: NAME,key=value,...
+struct ModelRequest {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> values;
+};
+/// Splits "NAME,key=value,..."; a comma inside a value (albedo=0.9,0.5,0.2) stays with it.
+[[nodiscard]] ModelRequest parse_model_request(const std::string& text);
+
+/// What the commands share; every member is an option of the command line.
+struct Options {
+  std::string stack{};                  ///< name, file or "-"; empty: the default stack
+  std::vector<std::string> incident{};  ///< THETA[,PHI] in degrees
+  std::uint64_t walks = 1000000;
+  std::optional<double> target_error{}, seconds{};
+  std::uint64_t max_order = 1000;
+  std::string grid = "16x32";
+  std::string estimator = "auto";
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: all
+  std::string isa = "auto";
+  bool quiet = false, strict = false, as_is = false;
+  std::string json{}, output{};
+  std::vector<std::string> models{};
+  std::optional<double> max_error{};
+  std::string pairs{};
+};
+
+/// The incident directions, in the order given; the default set if there is none.
+[[nodiscard]] std::vector<Direction> incident_directions(const Options& options);
+[[nodiscard]] CellGrid parse_grid(const std::string& text);
+/// --walks: digits, or a number like 1e6; at least one walk per batch.
+[[nodiscard]] std::uint64_t parse_walks(const std::string& text);
+[[nodiscard]] Stack stack_of(const Options& options);
+[[nodiscard]] StopRule stop_rule(const Options& options);
+/// The estimator that is used for `auto`, or the one asked for.
+[[nodiscard]] Estimator estimator_of(const Options& options, Estimator automatic);
+
+/// Polar angle and azimuth in degrees, rounded to what a user typed.
+[[nodiscard]] double theta_degrees(Direction w);
+[[nodiscard]] double phi_degrees(Direction w);
+
+/// Set by Ctrl-C.
+extern std::atomic<bool> interrupted;
+
+/// Where tables go: stdout, or stderr if the JSON takes stdout, or nowhere with --quiet.
+[[nodiscard]] std::FILE* table_stream(const Options& options);
+
+/// Runs one simulation by the stop rule with progress on a terminal; returns the reduced result.
+[[nodiscard]] RunResult run_with_progress(Simulation& simulation, const Options& options,
+                                          const std::string& label);
+
+}  // namespace lamella

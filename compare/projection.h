@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "analytic/model.h"
+#include "volume/cell_grid.h"
+
+namespace lamella {
+
+/// A closed form on the cells of one side: cosine-weighted means of f [1/sr], [channel][cell], per
+/// order 1, 2, 3, 4+ (of the lobes that stand for it) and all.
+struct ProjectedLobes {
+  std::array<std::vector<double>, kOrders + 1> lobes;
+  std::array<bool, kOrders + 1> has{};  ///< whether the model has a lobe of that order; all: true
+};
+
+/// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
+/// less than 1e-4 of itself (or of 1e-3 of the lobe's mean). `up`: the side w_o lies on; channels:
+/// 1 or 3. Runs in the calling thread's task arena.
+[[nodiscard]] ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
+                                     const CellGrid& grid, bool up, int channels);
+
+}  // namespace lamella

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+namespace lamella {
+
+/// Sums per batch of some quantities, with the batches' numbers of walks: what a test needs to know
+/// of correlated estimates. sums[b][k]: quantity k in batch b.
+struct BatchSums {
+  std::vector<double> walks;
+  std::vector<std::vector<double>> sums;
+
+  [[nodiscard]] int batches() const { return static_cast<int>(sums.size()); }
+  [[nodiscard]] int quantities() const {
+    return sums.empty() ? 0 : static_cast<int>(sums[0].size());
+  }
+};
+
+/// Mean per walk and standard error of every quantity.
+struct Means {
+  std::vector<double> value, standard_error;
+};
+[[nodiscard]] Means means_of(const BatchSums& sums);
+
+/// Quantities summed in groups: group[k] is the group of quantity k, or -1 to leave it out.
+[[nodiscard]] BatchSums grouped(const BatchSums& sums, const std::vector<int>& group, int groups);
+
+/// Groups of neighbouring quantities, each with at least `events` effective events ((mean /
+/// standard error)^2), so that its mean is near enough to normal; what is left joins the last
+/// group. Returns the group of each quantity; the number of groups is 1 + the largest, 0 if all
+/// together are too few.
+[[nodiscard]] std::vector<int> pooled_groups(const BatchSums& sums, double events);
+
+/// Hotelling's test of the means against given values: uses the covariance over batches, so that
+/// quantities may be correlated in any way. Directions in which the batches do not vary at all are
+/// left out. Returns a p-value; 1 if nothing varies.
+[[nodiscard]] double hotelling_p_value(const BatchSums& sums, const std::vector<double>& expected);
+
+/// p-value of the largest |difference| / standard error over the quantities, by Student's t with
+/// Bonferroni's bound, which holds under any correlation. A quantity without scatter counts as
+/// infinitely far off if it differs at all (beyond rounding), else as exact.
+[[nodiscard]] double largest_deviation_p_value(const Means& means,
+                                               const std::vector<double>& expected, int batches);
+
+}  // namespace lamella

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "analytic/model.h"
+#include "volume/simulation.h"
+
+namespace lamella {
+
+/// f of a stack at a pair of directions by simulation, with its standard error per channel.
+struct TruthValue {
+  Rgb f, standard_error;
+};
+
+/// Next-event estimation at each pair, `walks` per incident direction. Where the stack is
+/// reciprocal and w_o is nearer to grazing than w_i, the reversed pair is simulated instead, whose
+/// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
+/// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
+[[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack,
+                                               const std::vector<DirectionPair>& pairs,
+                                               std::uint64_t walks, std::uint64_t max_order,
+                                               std::uint64_t seed);
+
+}  // namespace lamella
