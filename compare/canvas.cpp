@@ -128,7 +128,7 @@ void Canvas::text_upwards(int x, int y, std::string_view utf8, Font font, Color 
 
 std::string Canvas::png() const {
   int size = 0;
-  const std::unique_ptr<void, void (*)(void*)> data(gdImagePngPtrEx(image_.get(), &size, 9),
+  const std::unique_ptr<void, void (*)(void*)> data(gdImagePngPtrEx(image_.get(), &size, 6),
                                                     gdFree);
   if (!data) throw std::runtime_error("the picture could not be encoded as PNG");
   return {static_cast<const char*>(data.get()), static_cast<std::size_t>(size)};
