@@ -162,6 +162,8 @@ std::vector<std::string> wrapped(std::string_view utf8, Font font, int width) {
 std::string shortened(std::string_view utf8, Font font, int width) {
   std::string text(utf8);
   if (text_width(text, font) <= width) return text;
+  // A character has at most four bytes: the rest can't fit.
+  text.resize(std::min(text.size(), static_cast<std::size_t>(4 * width / font_of(font)->w)));
   do {
     text.pop_back();
     // Not in the middle of a character.
