@@ -128,7 +128,7 @@ void Canvas::text_upwards(int x, int y, std::string_view utf8, Font font, Color 
 
 std::string Canvas::png() const {
   int size = 0;
-  const std::unique_ptr<void, void (*)(void*)> data(gdImagePngPtrEx(image_.get(), &size, 9),
+  const std::unique_ptr<void, void (*)(void*)> data(gdImagePngPtrEx(image_.get(), &size, 6),
                                                     gdFree);
   if (!data) throw std::runtime_error("the picture could not be encoded as PNG");
   return {static_cast<const char*>(data.get()), static_cast<std::size_t>(size)};
@@ -162,6 +162,8 @@ std::vector<std::string> wrapped(std::string_view utf8, Font font, int width) {
 std::string shortened(std::string_view utf8, Font font, int width) {
   std::string text(utf8);
   if (text_width(text, font) <= width) return text;
+  // A character has at most four bytes: the rest can't fit.
+  text.resize(std::min(text.size(), static_cast<std::size_t>(4 * width / font_of(font)->w)));
   do {
     text.pop_back();
     // Not in the middle of a character.

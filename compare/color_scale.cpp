@@ -108,7 +108,7 @@ ColorScale signed_scale(std::span<const double> values) {
   range.include(values, false);
   double limit = range.is_empty() ? 1 : std::max(-range.low, range.high);
   if (limit < kSmallest) limit = 1;
-  const double step = round_number(limit / 5, true);
+  const double step = round_number(limit / 4, true);
   return fixed_signed_scale(step * std::ceil(limit / step - 1e-9), step);
 }
 

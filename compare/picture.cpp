@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "compare/canvas.h"
+#include "compare/color_bar.h"
 #include "compare/color_scale.h"
 
 namespace lamella {
@@ -20,8 +21,8 @@ constexpr Color kBlack{0, 0, 0}, kWhite{255, 255, 255}, kText{32, 32, 32}, kSoft
     kLine{110, 110, 110};
 constexpr double kZLimit = 4;
 constexpr int kLineHeight = 16, kTop = 14, kBottom = 14;
-// From the bottom of the rectangles: axis, colour bar, its ticks and caption.
-constexpr int kAxisHeight = 46, kBarHeight = 14, kBarTicks = 22;
+// From the bottom of the rectangles to the colour bars.
+constexpr int kAxisHeight = 48;
 
 struct Panel {
   Map map;
@@ -144,7 +145,7 @@ Page page_of(const LobePicture& picture, const std::vector<Group>& groups) {
   const int lines = static_cast<int>(page.title.size() + page.subtitle.size());
   layout.disc_top = kTop + lines * kLineHeight + 52;
   layout.rectangle_top = layout.disc_top + kPanel + 34;
-  page.notes_top = layout.rectangle_top + kRectangle + kAxisHeight + kBarHeight + kBarTicks;
+  page.notes_top = layout.rectangle_top + kRectangle + kAxisHeight + kColorBarHeight;
   page.legend_top = page.notes_top + static_cast<int>(notes) * kLineHeight + 14;
   layout.height =
       page.legend_top + (1 + static_cast<int>(page.convention.size())) * kLineHeight + kBottom;
@@ -256,11 +257,11 @@ void draw_rectangle_frame(Canvas& canvas, const LobePicture& picture, int left, 
   for (int i = 0; i <= 4; ++i) {
     const int x = left + i * kPanel / 4 - (i == 4 ? 1 : 0);
     canvas.fill(x, top + kRectangle + 1, 1, 4, kLine);
-    canvas.text(x + 3, top + kRectangle + 6,
+    canvas.text(x + 3, top + kRectangle + 8,
                 fmt::format("{}\u00b0", i * (picture.grid.folded ? 45 : 90)), Font::small,
                 Align::center, kSoftText);
   }
-  canvas.text(left + kPanel / 2, top + kRectangle + 20,
+  canvas.text(left + kPanel / 2, top + kRectangle + 22,
               picture.grid.folded ? "phi_o (folded: each stands for -phi too)" : "phi_o",
               Font::small, Align::center, kSoftText);
   constexpr struct {
@@ -281,48 +282,6 @@ void draw_rectangle_frame(Canvas& canvas, const LobePicture& picture, int left, 
   // -w_i is at phi = 180 degrees: half way, or the end of a folded grid.
   const double x = !picture.transmitted ? 0 : picture.grid.folded ? kPanel : kPanel / 2.0;
   draw_mark(canvas, left + x, top + std::clamp(sine2, 0.0, 1.0) * kRectangle, picture.transmitted);
-}
-
-void draw_bar_labels(Canvas& canvas, const ColorScale& scale, int left, int top, int width) {
-  const auto ticks = scale.ticks();
-  const auto x_of = [&](std::size_t i) {
-    return left + static_cast<int>(std::lround(ticks[i].position * (width - 1)));
-  };
-  // As many labels as fit, evenly, the one of 0 (or of the first decade) among them.
-  std::size_t anchor = 0;
-  for (std::size_t i = 0; i < ticks.size(); ++i)
-    if (ticks[i].label == "0") anchor = i;
-  const auto fits = [&](std::size_t stride) {
-    int end = left - PictureLayout::kGap;
-    for (std::size_t i = anchor % stride; i < ticks.size(); i += stride) {
-      const int half = text_width(ticks[i].label, Font::small) / 2;
-      if (x_of(i) - half < end + 6) return false;
-      end = x_of(i) + half;
-    }
-    return true;
-  };
-  std::size_t stride = 1;
-  while (stride < ticks.size() && !fits(stride)) ++stride;
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    canvas.fill(x_of(i), top, 1, 4, kLine);
-    if (i % stride == anchor % stride)
-      canvas.text(x_of(i) + 1, top + 5, ticks[i].label, Font::small, Align::center, kText);
-  }
-}
-
-void draw_bar(Canvas& canvas, const Group& group, int left, int top) {
-  const int width = group.width();
-  for (int x = 0; x < width; ++x)
-    canvas.fill(left + x, top, 1, kBarHeight, group.scale.color_at((x + 0.5) / width));
-  canvas.outline(left - 1, top - 1, width + 2, kBarHeight + 2, kLine);
-  if (group.open_ended)
-    // Arrow heads: the scale goes on in the colours of its ends.
-    for (int i = 0; i < kBarHeight / 2 + 1; ++i) {
-      const int y = top - 1 + i, height = kBarHeight + 2 - 2 * i;
-      canvas.fill(left - 2 - i, y, 1, height, group.scale.color_at(0));
-      canvas.fill(left + width + 1 + i, y, 1, height, group.scale.color_at(1));
-    }
-  draw_bar_labels(canvas, group.scale, left, top + kBarHeight + 1, width);
 }
 
 void draw_legend(Canvas& canvas, const LobePicture& picture, const Page& page) {
@@ -379,7 +338,8 @@ std::string draw_lobe(const LobePicture& picture) {
       draw_rectangle_frame(canvas, picture, left, layout.rectangle_top, index == 0);
       ++index;
     }
-    draw_bar(canvas, group, bar_left, layout.rectangle_top + kRectangle + kAxisHeight);
+    draw_color_bar(canvas, group.scale, bar_left, layout.rectangle_top + kRectangle + kAxisHeight,
+                   group.width(), group.open_ended);
     for (std::size_t i = 0; i < group.notes.size(); ++i)
       canvas.text(bar_left + group.width() / 2, page.notes_top + static_cast<int>(i) * kLineHeight,
                   group.notes[i], Font::small, Align::center, i == 0 ? kText : kSoftText);

@@ -28,12 +28,13 @@ struct LobePicture {
   bool logarithmic = false;  ///< scale of truth and model
 };
 
-/// PNG bytes: above, each map on the hemisphere seen from its pole (radius sin theta_o, so that
-/// equal cells have equal area; phi = 0, the side of w_i, on the right, counter-clockwise; a folded
-/// grid mirrored to the full circle); below, the same map as a rectangle with phi to the right and
-/// mu^2 falling downwards; then the scales. truth and model share one; that of the difference is
-/// symmetric about 0; z goes from -4 to 4, and what lies beyond is counted. Equal input gives equal
-/// bytes. Throws std::invalid_argument for a map of the wrong size or no map at all.
+/// PNG bytes: above, each map as a disc, the hemisphere seen along z from above, the lower one too
+/// (radius sin theta_o, so that equal cells have equal area; phi = 0, the side of w_i, on the
+/// right, counter-clockwise; a folded grid mirrored to the full circle); below, the same map as a
+/// rectangle with phi to the right and mu^2 falling downwards; then the scales. truth and model
+/// share one; that of the difference is symmetric about 0; z goes from -4 to 4, and what lies
+/// beyond is counted. Equal input gives equal bytes. Throws std::invalid_argument for a map of the
+/// wrong size or no map at all.
 [[nodiscard]] std::string draw_lobe(const LobePicture& picture);
 
 /// draw_lobe to a file. Throws OutputError.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "phase/color.h"
 #include "phase/phase_function.h"
 #include "phase/sampling.h"
 
@@ -45,7 +46,7 @@ struct MirrorFlakes {
     }
     [[nodiscard]] Scatter sample(RandomStream& stream) const {
       const Direction m = ndf.visible_normal(wi, stream);
-      return {mirrored(wi, m), schlick_of(dot(wi, m))};
+      return {mirrored(wi, m), schlick_weight(dot(wi, m))};
     }
   };
 
@@ -57,12 +58,8 @@ struct MirrorFlakes {
   [[nodiscard]] bool is_delta() const { return ndf.is_delta(); }
 
  private:
-  static double schlick_of(double cosine) {
-    const double m = 1 - std::fmin(std::fmax(cosine, 0), 1);
-    return m * m * m * m * m;
-  }
   static double half_angle_schlick(Direction wi, Direction wo) {
-    return schlick_of(std::sqrt(std::fmax(0, (1 + dot(wi, wo)) / 2)));
+    return schlick_weight(std::sqrt(std::fmax(0, (1 + dot(wi, wo)) / 2)));
   }
 };
 

@@ -44,8 +44,8 @@ LobePicture example(bool folded) {
   for (int i = 0; i < cells; ++i) {
     const double t = static_cast<double>(i) / (cells - 1);
     picture.truth.push_back(t);
-    picture.model.push_back(t / 2);
-    picture.difference.push_back(-t / 2);
+    picture.model.push_back(0.6 * t);
+    picture.difference.push_back(-0.4 * t);
     picture.z.push_back(i == 0 ? -9 : i == 1 ? 9 : 0);
   }
   picture.title = "example";
@@ -93,7 +93,7 @@ TEST(Picture, ShowsEveryCellOfTheDiscInItsColour) {
         const auto [x, y] = disc_pixel(picture, 0, row, phi);
         EXPECT_EQ(image.at(x, y), viridis(t)) << folded << ' ' << row << ' ' << column;
         const auto [x1, y1] = disc_pixel(picture, 1, row, phi);
-        EXPECT_EQ(image.at(x1, y1), viridis(t / 2)) << "the model shares the scale of the truth";
+        EXPECT_EQ(image.at(x1, y1), viridis(0.6 * t)) << "the model shares the scale of the truth";
       }
   }
 }
@@ -109,7 +109,7 @@ TEST(Picture, ShowsTheRectangleWithTheNormalAtTheTopAndPhiToTheRight) {
         const int y = top + (2 * row + 1) * PictureLayout::kRectangle / 8;
         const double t = picture.truth[static_cast<std::size_t>(row * columns + column)];
         EXPECT_EQ(image.at(PictureLayout::panel_left(0) + x, y), viridis(t));
-        // -0.5 is the end of the difference's own scale.
+        // -0.4 is the end of the difference's own scale.
         EXPECT_EQ(image.at(PictureLayout::panel_left(2) + x, y), diverging_color(-t));
       }
   }
