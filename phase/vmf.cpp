@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <limits>
 
@@ -176,16 +175,17 @@ double Vmf::diffuse_phase(Direction wi, Direction wo) const {
   if (is_delta()) return ui > 0 ? std::max(uo, 0.0) / kPi : 0;
   const ClampedCosines pair(wi, wo, axis_);
   // Only v <= top faces w_i; relative to the density there nothing underflows.
-  const double si = pair.sine_i(), so = pair.sine_o();
-  const double top = ui >= 0 ? 1 : si;
+  const double top = ui >= 0 ? 1 : pair.sine_i();
   const double log_sigma = log_vmf_sigma(ui, alpha_);
   const double scale = normalisation(kappa_) / (2 * kPi) * std::exp(kappa_ * (top - 1) - log_sigma);
-  std::vector<double> breaks{-1, top, si, -si, so, -so};
-  for (const double reach : {1.0, 4.0, 12.0, 30.0, 60.0})
-    breaks.push_back(top - reach / std::max(kappa_, 1e-300));
-  const double bottom = kappa_ > 20 ? std::max(-1.0, top - 60 / kappa_) : -1;
+  std::vector<double> breaks;
+  for (const double kink : pair.kinks()) breaks.insert(breaks.end(), {kink, -kink});
+  // Panels over which the exponential falls by no more than exp(-8); beyond exp(-45), nothing.
+  for (const double reach : {2.0, 8.0, 16.0, 24.0, 34.0})
+    if (kappa_ > 0) breaks.push_back(top - reach / kappa_);
+  const double bottom = kappa_ > 22.5 ? std::max(-1.0, top - 45 / kappa_) : -1;
   const auto integrand = [&](double v) { return std::exp(kappa_ * (v - top)) * pair.overlap(v); };
-  return scale * integrate_panels(integrand, bottom, top, breaks) / kPi;
+  return scale * integrate_panels(integrand, bottom, top, std::move(breaks)) / kPi;
 }
 
 Direction Vmf::sample_normal(RandomStream& stream) const {

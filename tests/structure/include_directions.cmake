@@ -1,3 +1,4 @@
+cmake_minimum_required(VERSION 3.25)
 # The rooms' include directions: phase -> volume, analytic -> compare; analytic never sees volume.
 set(allowed_phase phase)
 set(allowed_volume phase volume)
