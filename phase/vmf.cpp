@@ -14,6 +14,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Below this log sigma no light ever meets a flake, and D / sigma is rounding: p is taken as 0.
+constexpr double kNothing = -1e10;
+// Flakes narrower than this show their likeliest normal only; a quadrature would meet rounding.
+constexpr double kNarrow = 1e-5;
+
 // exp(-x) I0(x), relative error below 1e-15.
 double scaled_bessel_i0(double x) {
   if (x < 30) return boost::math::cyl_bessel_i(0, x) * std::exp(-x);
@@ -152,7 +157,7 @@ double Vmf::sigma_of_cosine(double u) const {
 
 double Vmf::density_of(Direction h) const {
   if (is_delta()) return 0;
-  return vmf_density(kappa_, dot(h, axis_) / length(h));
+  return vmf_density(kappa_, std::min(dot(h, axis_) / length(h), 1.0));
 }
 
 double Vmf::mirror_phase(Direction wi, Direction wo) const {
@@ -160,27 +165,40 @@ double Vmf::mirror_phase(Direction wi, Direction wo) const {
   const Direction h = half_vector(wi, wo);
   const double area = sigma(wi);
   if (area > 1e-20) return density_of(h) / (4 * area);
-  const double log_density =
-      std::log(normalisation(kappa_) / (2 * kPi)) + kappa_ * (dot(h, axis_) / length(h) - 1);
-  return std::exp(log_density - log_vmf_sigma(std::clamp(dot(wi, axis_), -1.0, 1.0), alpha_)) / 4;
+  const double u = std::clamp(dot(wi, axis_), -1.0, 1.0);
+  const double log_sigma = log_vmf_sigma(u, alpha_);
+  if (log_sigma < kNothing) return 0;
+  // Rounding must not lift the normal above all that face w_i.
+  const double peak = u < 0 ? -u * u / (1 + std::sqrt((1 - u) * (1 + u))) : 0;
+  const double log_density = std::log(normalisation(kappa_) / (2 * kPi)) +
+                             kappa_ * std::min(dot(h, axis_) / length(h) - 1, peak);
+  return std::exp(log_density - log_sigma) / 4;
 }
 
 double Vmf::diffuse_phase(Direction wi, Direction wo) const {
   const double ui = std::clamp(dot(wi, axis_), -1.0, 1.0);
   const double uo = std::clamp(dot(wo, axis_), -1.0, 1.0);
   if (is_delta()) return ui > 0 ? std::max(uo, 0.0) / kPi : 0;
+  if (alpha_ < kNarrow) {
+    if (ui >= 0) return std::max(uo, 0.0) / kPi;
+    const Direction edge = axis_ - ui * wi;
+    const double norm = length(edge);
+    return norm > 0 ? std::max(dot(wo, edge) / norm, 0.0) / kPi : 0;
+  }
   const ClampedCosines pair(wi, wo, axis_);
   // Only v <= top faces w_i; relative to the density there nothing underflows.
   const double si = pair.sine_i(), so = pair.sine_o();
   const double top = ui >= 0 ? 1 : si;
   const double log_sigma = log_vmf_sigma(ui, alpha_);
+  if (log_sigma < kNothing) return 0;
   const double scale = normalisation(kappa_) / (2 * kPi) * std::exp(kappa_ * (top - 1) - log_sigma);
   std::vector<double> breaks{-1, top, si, -si, so, -so};
   for (const double reach : {1.0, 4.0, 12.0, 30.0, 60.0})
     breaks.push_back(top - reach / std::max(kappa_, 1e-300));
   const double bottom = kappa_ > 20 ? std::max(-1.0, top - 60 / kappa_) : -1;
   const auto integrand = [&](double v) { return std::exp(kappa_ * (v - top)) * pair.overlap(v); };
-  return scale * integrate_panels(integrand, bottom, top, breaks) / kPi;
+  // Opposite directions see nothing in common but rounding, of either sign.
+  return std::max(scale * integrate_panels(integrand, bottom, top, breaks), 0.0) / kPi;
 }
 
 Direction Vmf::sample_normal(RandomStream& stream) const {
