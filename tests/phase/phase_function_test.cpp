@@ -37,8 +37,8 @@ TEST(PhaseFunction, IntegratesToOneForEveryMediumAndDirection) {
       const SphereCells cells = lobe_cells(c, wi);
       const double sum = integrate_sphere(
           [&](Direction wo) { return phase(c.medium, wi, wo).density; }, cells, 1e-5);
-      // Of the quadrature, which meets the jump of D(h) at w_o = -w_i (measured: 3e-5), or has three
-      // points a cell (1.9e-3).
+      // Of the quadrature, which meets the jump of D(h) at w_o = -w_i (measured: 3e-5), or has
+      // three points a cell (1.9e-3).
       EXPECT_NEAR(sum, 1, cells.smooth ? 3e-3 : 1e-4) << c.name << ' ' << to_text(wi);
     }
   }
@@ -59,8 +59,8 @@ TEST(PhaseFunction, OfLambertFlakesIntegratesToOne) {
       return 2 * kPi * sum / kAzimuths;
     };
     using boost::math::quadrature::gauss;
-    const double sum = gauss<double, 7>::integrate(ring, -1.0, 0.0) +
-                       gauss<double, 7>::integrate(ring, 0.0, 1.0);
+    const double sum =
+        gauss<double, 7>::integrate(ring, -1.0, 0.0) + gauss<double, 7>::integrate(ring, 0.0, 1.0);
     // 112 points of a function whose second derivative jumps; measured: 2e-3.
     EXPECT_NEAR(sum, 1, 4e-3) << c.name;
   }

@@ -83,6 +83,17 @@ TEST(Vmf, LambertFlakesWithUniformNormalsAreLambertSpheresOfAQuarterOfTheDensity
   }
 }
 
+TEST(Vmf, DiffusePhaseOfVeryNarrowFlakesContinuesTheQuadrature) {
+  const Vmf below(0.999e-5, kTilted), above(1.001e-5, kTilted);
+  const Direction edge = cross(kTilted, normalized(cross(kTilted, Direction{1, 0, 0})));
+  for (const double u : {1.0, 0.3, 1e-3, 1e-5, 0.0, -1e-5, -3e-5}) {
+    const Direction wi = normalized(u * kTilted + std::sqrt(1 - u * u) * edge);
+    for (const Direction wo : incident_directions())
+      EXPECT_NEAR(below.diffuse_phase(wi, wo), above.diffuse_phase(wi, wo), 2e-5)
+          << u << ' ' << to_text(wo);
+  }
+}
+
 TEST(Vmf, DeltaFlakesAreLambertsOwn) {
   const LambertFlakes<Vmf> medium{Vmf(vmf_alpha(0), {0, 0, 1})};
   EXPECT_EQ(medium.sigma(direction_from_mu_phi(0.3, 1)), 0.3);
