@@ -18,9 +18,9 @@ struct Rgb {
   [[nodiscard]] constexpr bool is_grey() const { return r == g && g == b; }
   [[nodiscard]] constexpr double max() const { return std::max(r, std::max(g, b)); }
 
-  friend constexpr Rgb operator+(Rgb a, Rgb b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-  friend constexpr Rgb operator-(Rgb a, Rgb b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
-  friend constexpr Rgb operator*(Rgb a, Rgb b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
+  friend constexpr Rgb operator+(Rgb x, Rgb y) { return {x.r + y.r, x.g + y.g, x.b + y.b}; }
+  friend constexpr Rgb operator-(Rgb x, Rgb y) { return {x.r - y.r, x.g - y.g, x.b - y.b}; }
+  friend constexpr Rgb operator*(Rgb x, Rgb y) { return {x.r * y.r, x.g * y.g, x.b * y.b}; }
   friend constexpr Rgb operator*(double s, Rgb a) { return {s * a.r, s * a.g, s * a.b}; }
   constexpr Rgb& operator+=(Rgb o) { return *this = *this + o; }
   friend constexpr bool operator==(Rgb, Rgb) = default;
