@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct MediumCase {
   bool fiber = false;       ///< mirror lobes are rings about the axis
   bool costly = false;      ///< phase() is a quadrature
 };
+
+/// How a failed test names its case.
+inline void PrintTo(const MediumCase& c, std::ostream* out) { *out << c.name; }
 
 /// A mean normal that is neither vertical nor in a coordinate plane.
 inline const Direction kTilted = normalized(Direction{0.4, -0.3, 0.8});

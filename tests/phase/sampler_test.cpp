@@ -36,17 +36,19 @@ TEST_P(EveryMedium, SamplesFollowThePhaseFunction) {
 TEST_P(EveryMedium, EventsAverageToThePhaseFunction) {
   const MediumCase& c = GetParam();
   std::uint64_t seed = 0;
-  for (const Direction wi : incident_directions()) {
-    if (!scatters(c, wi)) continue;
-    const Direction wo = direction_from_mu_phi(seed % 2 ? 0.4 : -0.7, 0.8 * seed);
-    RandomStream stream(++seed, 0, StreamPurpose::test);
-    std::vector<double> values(20000);
-    for (double& v : values)
-      v = std::visit([&](const auto& m) { return m.collide(wi, stream).density(wo).density; },
-                     c.medium);
-    EXPECT_GE(mean_p_value(values, phase(c.medium, wi, wo).density), test_level())
-        << to_text(wi) << ' ' << to_text(wo);
-  }
+  for (const Direction wi : incident_directions())
+    for (const double mu : {0.4, -0.7}) {
+      const Direction wo = direction_from_mu_phi(mu, 0.8 * ++seed);
+      const double expected = phase(c.medium, wi, wo).density;
+      // The normal limit needs more than a few rare events.
+      if (!scatters(c, wi) || expected < 0.02) continue;
+      RandomStream stream(seed, 0, StreamPurpose::test);
+      std::vector<double> values(10000);
+      for (double& v : values)
+        v = std::visit([&](const auto& m) { return m.collide(wi, stream).density(wo).density; },
+                       c.medium);
+      EXPECT_GE(mean_p_value(values, expected), test_level()) << to_text(wi) << ' ' << to_text(wo);
+    }
 }
 
 TEST_P(EveryMedium, SampledSchlickWeightIsThatOfThePair) {
