@@ -20,10 +20,11 @@ std::optional<SggxMatrix<double>> cholesky(const std::array<double, 6>& s) {
   a.a11 = std::sqrt(yy - a.a10 * a.a10);
   a.a21 = (yz - a.a20 * a.a10) / a.a11;
   a.a22 = std::sqrt(zz - a.a20 * a.a20 - a.a21 * a.a21);
-  const bool positive = a.a00 > 0 && a.a11 > 0 && a.a22 > 0;  // false for NaN, too
-  if (!positive || !std::isfinite(a.a00 + a.a11 + a.a22 + a.a10 + a.a20 + a.a21))
-    return std::nullopt;
-  return a;
+  const auto sound = [](double diagonal, double pivot) {  // false for NaN, too
+    return diagonal >= 1e-12 && diagonal <= 1e12 && pivot * pivot > 1e-12 * diagonal;
+  };
+  if (sound(xx, a.a00) && sound(yy, a.a11) && sound(zz, a.a22)) return a;
+  return std::nullopt;
 }
 
 std::array<double, 6> two_eigenvalues(double along, double across, Direction n) {

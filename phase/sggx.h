@@ -69,7 +69,8 @@ class Sggx {
   [[nodiscard]] static std::array<double, 6> surface_matrix(double alpha, Direction n);
   /// Fiber-like flakes: S = (I - t t^T) + alpha^2 t t^T. alpha in (0, 1], t unit.
   [[nodiscard]] static std::array<double, 6> fiber_matrix(double alpha, Direction t);
-  /// Whether S has a Cholesky factor with finite positive pivots.
+  /// Whether S is positive definite beyond rounding: diagonal entries in [1e-12, 1e12], and
+  /// Cholesky pivots above 1e-12 of them (what is lost there is lost in D).
   [[nodiscard]] static bool is_positive_definite(const std::array<double, 6>& s);
 
   [[nodiscard]] double sigma(Direction w) const { return projected_area(a_, w); }
