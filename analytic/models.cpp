@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "analytic/chandrasekhar.h"
 #include "analytic/lambert.h"
 #include "analytic/model.h"
 #include "analytic/single_scattering.h"
@@ -9,9 +10,9 @@ namespace lamella {
 
 const std::vector<ModelInfo>& models() {
   static const std::vector<ModelInfo> list{
-      lambert_model(),
-      single_scattering_model(),
-      spongecake_model(),
+      lambert_model(),           chandrasekhar_model(),
+      vmf_diffuse_model(),       vmf_diffuse_printed_model(),
+      single_scattering_model(), spongecake_model(),
   };
   return list;
 }
