@@ -5,6 +5,7 @@
 #include "analytic/model.h"
 #include "analytic/single_scattering.h"
 #include "analytic/spongecake.h"
+#include "analytic/vmf_diffuse.h"
 
 namespace lamella {
 
