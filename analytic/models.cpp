@@ -2,6 +2,8 @@
 
 #include "analytic/chandrasekhar.h"
 #include "analytic/lambert.h"
+#include "analytic/lambert_sphere.h"
+#include "analytic/lambert_sphere_three_term.h"
 #include "analytic/model.h"
 #include "analytic/single_scattering.h"
 #include "analytic/spongecake.h"
@@ -10,11 +12,21 @@
 namespace lamella {
 
 const std::vector<ModelInfo>& models() {
+  // clang-format off: one line per model
   static const std::vector<ModelInfo> list{
-      lambert_model(),           chandrasekhar_model(),
-      vmf_diffuse_model(),       vmf_diffuse_printed_model(),
-      single_scattering_model(), spongecake_model(),
+      lambert_model(),
+      chandrasekhar_model(),
+      lambert_sphere_model(),
+      lambert_sphere_fast_model(),
+      lambert_sphere_three_term_model(),
+      lambert_sphere_three_term_pure_model(),
+      hapke_lambert_sphere_model(),
+      vmf_diffuse_model(),
+      vmf_diffuse_printed_model(),
+      single_scattering_model(),
+      spongecake_model(),
   };
+  // clang-format on
   return list;
 }
 

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "analytic/hemisphere_quadrature.h"
+#include "analytic/lambert_sphere.h"
 #include "analytic/single_scattering.h"
 #include "analytic/vmf_sigma_fit.h"
 #include "phase/stack_file.h"
 #include "tests/analytic/model_checks.h"
+#include "tests/analytic/successive_orders.h"
 
 namespace lamella {
 namespace {
@@ -109,6 +111,24 @@ TEST(VmfDiffuse, FirstOrderOfTheCuredFormIsNearExactSingleScattering) {
         }
     EXPECT_LT(std::sqrt(cured_sum / n), 0.012) << r;
     EXPECT_GT(std::sqrt(printed_sum / n), 0.06) << r;
+  }
+}
+
+TEST(VmfDiffuse, PrintedFirstModesAreHalfOfTheExactOnesAtFullRoughness) {
+  // At r = 1 the medium is Lambert spheres, whose orders are known independently. Least-squares
+  // ratio of the exact cos phi coefficient to the printed one.
+  const testing::SuccessiveOrders exact(lambert_sphere_phase_terms(1), 1, 3);
+  const auto& nodes = exact.nodes();
+  for (int order = 1; order <= 3; ++order) {
+    double product = 0, square = 0;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (std::size_t j = 0; j < nodes.size(); ++j) {
+        if (nodes[i] < 0.05 || nodes[j] < 0.05) continue;
+        const double printed = vmf_diffuse_mode(order, 1, 1, nodes[i], nodes[j]);
+        product += exact.order(order, i, j) * printed;
+        square += printed * printed;
+      }
+    EXPECT_NEAR(product / square, 2, 0.05) << order;
   }
 }
 
