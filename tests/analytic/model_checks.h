@@ -28,6 +28,6 @@ void expect_sampler_follows_its_pdf(const std::string& name, const Model& model,
                                     double pdf_tolerance = 1e-7);
 
 /// Model::albedo against the adaptive quadrature of f.
-void expect_albedo_equals_quadrature(const Model& model, double tolerance = 1e-8);
+void expect_albedo_equals_quadrature(const Model& model, double tolerance = 1e-7);
 
 }  // namespace lamella::testing
