@@ -5,6 +5,7 @@
 #include "analytic/lambert.h"
 #include "analytic/lambert_sphere.h"
 #include "analytic/lambert_sphere_three_term.h"
+#include "analytic/micrograin.h"
 #include "analytic/model.h"
 #include "analytic/oren_nayar.h"
 #include "analytic/single_scattering.h"
@@ -32,6 +33,7 @@ const std::vector<ModelInfo>& models() {
       fon_model(),
       eon_model(),
       eon_approx_model(),
+      micrograin_model(),
       single_scattering_model(),
       spongecake_model(),
   };
