@@ -79,7 +79,7 @@ int compare_command(const Options& options) {
   const Stack stack = stack_of(options);
   const Plan plan = make_plan(stack, options.max_order);
   const Estimator estimator = estimator_of(options, Estimator::analog);
-  const std::vector<Direction> directions = incident_directions(options);
+  const std::vector<Direction> directions = incident_directions(options, stack);
   const CellGrid grid = parse_grid(options.grid);
   std::vector<JudgedModel> judged;
   for (BoundModel& bound : models_for(options, stack)) {

@@ -62,17 +62,19 @@ FurnaceRun judge_furnace(const Simulation& simulation, bool white, double level)
 }
 
 RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, std::uint64_t walks,
-                             std::uint64_t seed) {
+                             std::uint64_t seed, const std::atomic<bool>* interrupted) {
   constexpr int kNodes = 16;
   using Rule = boost::math::quadrature::gauss<double, kNodes>;
   w = with_grazing_limit(w);
   RadianceCheck check;
   check.w = w;
   const double s = stack.one_sidedness() * (w.z > 0 ? 1 : -1);
-  const std::uint64_t share = std::max<std::uint64_t>(walks / (2 * kNodes + 1), kBatches);
+  const StopRule rule{.walks = std::max<std::uint64_t>(walks / (2 * kNodes + 1), kBatches),
+                      .target_error = {},
+                      .seconds = {}};
 
   Simulation along(stack, plan, w, Estimator::analog, CellGrid{1, 1, false}, seed);
-  along.advance(share);
+  lamella::run(along, rule, {}, interrupted);
   const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
     double sum = 0;
     for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
@@ -90,7 +92,7 @@ RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, 
       const double x = (k % 2 ? 1 : -1) * Rule::abscissa()[half];
       const double mu = std::sqrt((x + 1) / 2), weight = Rule::weights()[half] / 2;
       Simulation node(stack, plan, direction_from_mu_phi(side * mu, 0), {w}, seed + k + 1);
-      node.advance(share);
+      lamella::run(node, rule, {}, interrupted);
       const Estimate f = batch_estimate(node.batches(), [](const BatchTally& b) {
         double sum = 0;
         for (int o = 0; o < kTallyOrders; ++o) sum += b.f[static_cast<std::size_t>(o)];
