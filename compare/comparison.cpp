@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "compare/statistics.h"
@@ -145,7 +146,9 @@ std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& ru
       l.empty_cells += l.standard_error[k] == 0;
     }
     const double truth_rms = std::sqrt(std::max(truth_squares - noise, 0.0));
-    const auto relative = [&](double x) { return truth_rms > 0 ? x / truth_rms : 0; };
+    const auto relative = [&](double x) {
+      return truth_rms > 0 ? x / truth_rms : x > 0 ? std::numeric_limits<double>::infinity() : 0;
+    };
     l.rmse = std::sqrt(squares);
     l.relative_rmse = relative(l.rmse);
     l.rmse_without_noise = std::sqrt(std::max(squares - noise, 0.0));

@@ -238,10 +238,11 @@ int run_program(int argc, char** argv) {
   check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    fail_extra(*app.get_subcommands().front());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     const auto given = app.get_subcommands();
-    if (!given.empty() && error.get_name() == "ExtrasError") fail_extra(*given.front());
     throw UsageError(fmt::format("{} (see lamella{} --help)", error.what(),
                                  given.empty() ? "" : " " + given.front()->get_name()));
   }
