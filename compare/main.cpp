@@ -103,7 +103,9 @@ void add_json(CLI::App& command, Options& options) {
 }
 
 void add_walks(CLI::App& command, std::string& walks, const std::string& doc) {
-  command.add_option("--walks", walks, doc + " (default 1000000)")->type_name("N");
+  command.add_option("--walks", walks, doc + " (default 1000000)")
+      ->transform(whole_number(kBatches, 1000000000000000))
+      ->type_name("N");
 }
 
 void add_max_order(CLI::App& command, Options& options) {
