@@ -76,12 +76,13 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model, const
       if (mean.value[0] == 0)
         return std::exp(-std::max(0.0, total[0]) * grid.projected_solid_angle() *
                         std::accumulate(s.walks.begin(), s.walks.end(), 0.0) / channels);
-      return largest_deviation_p_value(mean, total, s.batches());
+      return largest_deviation_p_value(mean, total, s.batches(), kProjectionError);
     }
     const BatchSums pooled = grouped(s, group, groups);
     const std::vector<double> pooled_expected = grouped_values(expected, group, groups);
-    return hotelling ? hotelling_p_value(pooled, pooled_expected)
-                     : largest_deviation_p_value(means_of(pooled), pooled_expected, s.batches());
+    return hotelling ? hotelling_p_value(pooled, pooled_expected, kProjectionError)
+                     : largest_deviation_p_value(means_of(pooled), pooled_expected, s.batches(),
+                                                 kProjectionError);
   };
   const double broad = tests(patched, patched_model, true);
   const double local = tests(sums, model, false);

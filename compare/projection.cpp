@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kPoints = 4;  // per panel and dimension
 constexpr int kMaxPanels = 32;
-constexpr double kRelativeTolerance = 1e-4, kAbsoluteShare = 1e-3;
+constexpr double kAbsoluteShare = 1e-3;
 
 using Values = std::vector<Rgb>;  // per order and all
 
@@ -76,7 +76,7 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   for (std::size_t o = 0; o < a.size(); ++o)
     for (int c = 0; c < 3; ++c) {
       const double allowed =
-          kRelativeTolerance * std::max(std::abs(b[o][c]), kAbsoluteShare * scale[o][c]);
+          kProjectionError * std::max(std::abs(b[o][c]), kAbsoluteShare * scale[o][c]);
       if (std::abs(a[o][c] - b[o][c]) > allowed) return false;
     }
   return true;
