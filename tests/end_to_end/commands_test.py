@@ -38,7 +38,7 @@ class EveryCommandDoesWhatItSays(ProgramTest):
                          [1, 0.866025, 0.5, 0.173648])
 
     def test_json_leaves_stdout_to_itself(self):
-        for arguments in (["simulate", *QUICK], ["compare", "sggx_slab", *QUICK, "--grid", "4x8"],
+        for arguments in (["simulate", *QUICK], ["compare", "sggx_slab", *QUICK, "--grid", "4x8", "--wi", "30"],
                           ["furnace", *QUICK], ["furnace", "--model", "lambert"], ["explain"],
                           ["models"], ["media"], ["stacks"]):
             with self.subTest(arguments[0]):
@@ -92,14 +92,14 @@ class EveryCommandDoesWhatItSays(ProgramTest):
         self.write("black.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = 0\n'
                                  'thickness = inf\n')
         self.lamella("compare", "black.toml", *QUICK, "--model", "lambert", "--max-error", "0.5",
-                     status=1)
+                     "--wi", "60", status=1)
 
     def test_the_stack_may_come_from_stdin(self):
         text = '[[layer]]\nmedium = "lambert_sphere"\nalbedo = 0.5\nthickness = 1\n'
         answer = self.json_of("simulate", "-", *QUICK, "--quiet", stdin=text)
         self.assertEqual(answer["stack"]["name"], "stdin")
         self.assertEqual(answer["stack"]["layer"][0]["albedo"], 0.5)
-        self.json_of("compare", "-", *QUICK, "--grid", "2x4", stdin=text)
+        self.json_of("compare", "-", *QUICK, "--grid", "2x4", "--wi", "0", stdin=text)
         self.assertTrue((self.folder / "stdin-compare").is_dir())
 
     def test_the_answer_names_the_stack_after_its_file(self):

@@ -53,7 +53,7 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
         self.assertEqual(stack["layer"][0]["thickness"], "inf")
 
     def test_compare_and_the_report_in_its_folder(self):
-        answer = self.json_of("compare", "sggx_slab", "--grid", "4x8", *QUICK)
+        answer = self.json_of("compare", "sggx_slab", "--grid", "4x8", "--wi", "30", *QUICK)
         report = json.loads((self.folder / "sggx_slab-compare/report.json").read_text())
         check_schema("compare", report)
         self.assertEqual(answer, report)
@@ -62,7 +62,7 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
         self.write("black.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = 0\n'
                                  'thickness = inf\n')
         answer = self.json_of("compare", "black.toml", "--model", "lambert,albedo=0.9,0.5,0.2",
-                              *QUICK)
+                              "--wi", "30", *QUICK)
         lobe = answer["models"][0]["lobes"][0]
         self.assertEqual((lobe["relative_rmse"], lobe["verdict"]), ("inf", "differs"))
 
