@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "compare/command.h"
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
@@ -32,9 +34,9 @@ Json to_json(const LobeComparison& l) {
           {"energy_standard_error", channel_list(l.energy_error)},
           {"energy_model", channel_list(l.energy_model)},
           {"rmse", l.rmse},
-          {"relative_rmse", l.relative_rmse},
+          {"relative_rmse", json_number(l.relative_rmse)},
           {"rmse_without_noise", l.rmse_without_noise},
-          {"relative_rmse_without_noise", l.relative_rmse_without_noise},
+          {"relative_rmse_without_noise", json_number(l.relative_rmse_without_noise)},
           {"max_error", l.max_error},
           {"p_value", l.p_value},
           {"empty_cells", l.empty_cells},
@@ -43,7 +45,8 @@ Json to_json(const LobeComparison& l) {
 
 std::string verdict_text(const LobeComparison& l) {
   if (l.verdict != Verdict::differs) return to_text(l.verdict);
-  if (l.relative_rmse_without_noise == 0) return "differs";
+  if (l.relative_rmse_without_noise == 0 || std::isinf(l.relative_rmse_without_noise))
+    return "differs";
   return fmt::format("differs by {:.2g} %", 100 * l.relative_rmse_without_noise);
 }
 
@@ -79,7 +82,7 @@ int compare_command(const Options& options) {
   const Stack stack = stack_of(options);
   const Plan plan = make_plan(stack, options.max_order);
   const Estimator estimator = estimator_of(options, Estimator::analog);
-  const std::vector<Direction> directions = incident_directions(options);
+  const std::vector<Direction> directions = incident_directions(options, stack);
   const CellGrid grid = parse_grid(options.grid);
   std::vector<JudgedModel> judged;
   for (BoundModel& bound : models_for(options, stack)) {
@@ -127,7 +130,10 @@ int compare_command(const Options& options) {
     Json lobes = Json::array();
     for (const LobeComparison& l : m.lobes) {
       lobes.push_back(to_json(l));
-      if (l.order == Order::all) worst = std::max(worst, l.relative_rmse_without_noise);
+      // Where nothing arrives any model is infinitely far off: that counts once it is no accident.
+      if (l.order == Order::all &&
+          (std::isfinite(l.relative_rmse_without_noise) || l.verdict == Verdict::differs))
+        worst = std::max(worst, l.relative_rmse_without_noise);
     }
     Json parameters = Json::object();
     for (const auto& [key, value] : m.bound.parameters.all()) parameters[key] = to_json(value);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -14,6 +15,8 @@
 
 namespace lamella {
 namespace {
+
+const std::string kStdin = "<stdin>";
 
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
 
@@ -51,6 +54,30 @@ bool has_three_values(const KeyValues& values) {
   });
 }
 
+// The stack that stack=... names, if it is there. Not both it and the pairs can be stdin.
+std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
+                                const DirectionPairs& pairs) {
+  const auto name = take(values, "stack");
+  if (!name) return std::nullopt;
+  if (*name == "-" && pairs.file == kStdin)
+    throw UsageError(fmt::format(
+        "{}: key \"stack\": found - beside --pairs -; allowed: only one of them from stdin", what));
+  return load_stack(*name);
+}
+
+// Pairs that a stack has no answer to.
+void check_pairs(const DirectionPairs& pairs, const Stack& stack, bool wi_only = false) {
+  for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
+    if (pairs.pairs[k].wi.z < 0 && !stack.is_open_below())
+      refuse_pair(pairs, k,
+                  fmt::format("light from below, which {}; allowed: theta_i in [0, 90], mu_i >= 0",
+                              stack.substrate ? "meets an opaque substrate"
+                                              : "cannot come through a half space"));
+    if (!wi_only && pairs.pairs[k].wi.z == 0 && pairs.pairs[k].wo.z == 0)
+      refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
+  }
+}
+
 // media.NAME.sigma and media.NAME.phase, with the keys of a layer.
 Answer eval_medium(const std::string& what, const KeyValues& given,
                    const std::vector<DirectionPair>& pairs) {
@@ -73,6 +100,7 @@ Answer eval_medium(const std::string& what, const KeyValues& given,
   infos.push_back({.name = "density", .unit = "1/mm", .doc = "", .min = 0, .max_open = true});
   Parameters parameters = read_parameters(what, infos, given);
   Answer answer;
+  answer.color = has_three_values(given);
   try {
     const Medium medium = info->make(parameters);
     for (const DirectionPair& pair : pairs)
@@ -84,13 +112,11 @@ Answer eval_medium(const std::string& what, const KeyValues& given,
   return answer;
 }
 
-Answer eval_truth(KeyValues values, const std::vector<DirectionPair>& pairs,
-                  const Options& options) {
-  const auto stack_name = take(values, "stack");
-  if (!stack_name)
+Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
+  const auto stack = take_stack(values, "truth", pairs);
+  if (!stack)
     throw UsageError(
         "truth: key \"stack\": found nothing; allowed: a stack file, - or a built-in stack");
-  const Stack stack = load_stack(*stack_name);
   const auto walks = take(values, "walks");
   const auto estimator = take(values, "estimator");
   const auto seed = take(values, "seed");
@@ -100,27 +126,30 @@ Answer eval_truth(KeyValues values, const std::vector<DirectionPair>& pairs,
   if (!values.empty())
     throw UsageError(fmt::format(
         "truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed", values[0].first));
+  check_pairs(pairs, *stack);
   Options with_seed = options;
   if (seed) {
-    char* end = nullptr;
-    with_seed.seed = std::strtoull(seed->c_str(), &end, 10);
-    if (seed->empty() || *end)
+    const auto number = parse_whole_number(*seed);
+    if (!number)
       throw UsageError(
           fmt::format("truth: key \"seed\": found \"{}\"; allowed: a whole number", *seed));
+    with_seed.seed = *number;
   }
   Answer answer;
-  answer.color = !stack.is_grey();
-  for (const TruthValue& v : truth_at(stack, pairs, walks ? parse_walks(*walks) : options.walks,
-                                      options.max_order, with_seed.seed)) {
+  answer.color = !stack->is_grey();
+  catch_interrupts();
+  for (const TruthValue& v :
+       truth_at(*stack, pairs.pairs, walks ? parse_walks(*walks) : options.walks, options.max_order,
+                with_seed.seed, &interrupted)) {
     answer.f.push_back(v.f);
     answer.standard_error.push_back(v.standard_error);
   }
+  if (interrupted) fmt::print(stderr, "lamella: interrupted: fewer walks than asked for, see se\n");
   return answer;
 }
 
 // MODEL, MODEL.pdf, MODEL.albedo or MODEL.LOBE.
-Answer eval_model(const std::string& what, KeyValues values,
-                  const std::vector<DirectionPair>& pairs) {
+Answer eval_model(const std::string& what, KeyValues values, const DirectionPairs& pairs) {
   std::optional<Stack> stack;
   Answer answer;
   answer.color = has_three_values(values);
@@ -128,11 +157,18 @@ Answer eval_model(const std::string& what, KeyValues values,
   const std::string name = what.substr(0, dot);
   const std::string part = dot == std::string::npos ? "" : what.substr(dot + 1);
   const ModelInfo* info = find_model(name);
-  if (info && info->needs_stack)
-    if (const auto stack_name = take(values, "stack")) {
-      stack = load_stack(*stack_name);
-      answer.color = answer.color || !stack->is_grey();
-    }
+  if (!info) {
+    std::vector<std::string> names;
+    for (const ModelInfo& m : models()) names.push_back(m.name);
+    names.insert(names.end(), {"truth", "media.NAME.sigma", "media.NAME.phase"});
+    const std::string hint = suggestion(name, names);
+    throw UsageError(fmt::format("model \"{}\": unknown{}; allowed: {}", name,
+                                 hint.empty() ? "" : ", " + hint, listed(names)));
+  }
+  if (info->needs_stack) {
+    stack = take_stack(values, name, pairs);
+    if (stack) answer.color = answer.color || !stack->is_grey();
+  }
   const BoundModel bound = bind_model({name, values}, stack ? &*stack : nullptr);
   int lobe = -1;
   std::vector<std::string> parts{"pdf", "albedo"};
@@ -145,16 +181,11 @@ Answer eval_model(const std::string& what, KeyValues values,
     throw UsageError(fmt::format("{}: part \"{}\": unknown{}; allowed: {}", name, part,
                                  hint.empty() ? "" : ", " + hint, listed(parts)));
   }
-  if (stack && !stack->is_open_below())
-    for (const DirectionPair& pair : pairs)
-      if (pair.wi.z < 0)
-        throw UsageError(fmt::format(
-            "{}: light from below {}", name,
-            stack->substrate ? "meets an opaque substrate" : "cannot come through a half space"));
-  for (const DirectionPair& pair : pairs) {
+  if (stack) check_pairs(pairs, *stack, part == "albedo");
+  for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
+    const DirectionPair& pair = pairs.pairs[k];
     if (part == "pdf") {
       answer.f.emplace_back(bound.model->pdf(pair.wi, pair.wo));
-      answer.color = false;
     } else if (part == "albedo") {
       answer.f.push_back(bound.model->albedo(with_grazing_limit(pair.wi)));
     } else {
@@ -162,9 +193,8 @@ Answer eval_model(const std::string& what, KeyValues values,
       const Rgb f = lobe < 0 ? bound.model->eval(pair.wi, pair.wo)
                              : bound.model->eval_lobe(lobe, pair.wi, pair.wo);
       const bool finite = std::isfinite(f.r + f.g + f.b);
-      if (grazing && (!finite || bound.info->needs_stack))
-        throw UsageError(fmt::format(
-            "{}: both cosines are 0, where it has no limit; allowed: at most one", name));
+      if (grazing && !finite)
+        refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
       answer.f.push_back(f);
     }
   }
@@ -181,23 +211,24 @@ std::string row_text(const Rgb& v, bool color) {
 int eval_command(const Options& options, const std::vector<std::string>& words) {
   DirectionPairs pairs;
   if (options.pairs == "-") {
-    pairs = read_pairs(std::cin, "<stdin>");
+    pairs = read_pairs(std::cin, kStdin);
   } else {
     std::ifstream file(options.pairs);
-    if (!file)
+    const bool folder = std::filesystem::is_directory(options.pairs);
+    if (!file || folder)
       throw UsageError(fmt::format("{}: {}; allowed: a CSV file of direction pairs, or -",
-                                   options.pairs, std::strerror(errno)));
+                                   options.pairs, std::strerror(folder ? EISDIR : errno)));
     pairs = read_pairs(file, options.pairs);
   }
   const std::string& what = words[0];
   Answer answer;
   try {
     if (what == "truth")
-      answer = eval_truth(split(words), pairs.pairs, options);
+      answer = eval_truth(split(words), pairs, options);
     else if (what.starts_with("media."))
       answer = eval_medium(what, split(words), pairs.pairs);
     else
-      answer = eval_model(what, split(words), pairs.pairs);
+      answer = eval_model(what, split(words), pairs);
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("{}: {}", what, error.what()));
   }

@@ -49,7 +49,7 @@ int model_furnace(const Options& options, const Stack& stack) {
     one.models = {joined};
     const BoundModel bound = std::move(models_for(one, stack).front());
     Json runs = Json::array();
-    for (const Direction wi : incident_directions(options)) {
+    for (const Direction wi : incident_directions(options, stack)) {
       const Direction w = with_grazing_limit(wi);
       const Rgb scattered = bound.model->albedo(w);
       const double passed = bound.model->uncollided(w);
@@ -91,7 +91,7 @@ int furnace_command(const Options& options) {
   if (!options.models.empty()) return model_furnace(options, stack);
   const Plan plan = make_plan(stack, options.max_order);
   const Estimator estimator = estimator_of(options, Estimator::next_event);
-  const std::vector<Direction> directions = incident_directions(options);
+  const std::vector<Direction> directions = incident_directions(options, stack);
   const double level = -std::expm1(std::log1p(-kFalseAlarm) /
                                    static_cast<double>(directions.size() * plan.channels));
   std::FILE* out = table_stream(options);
@@ -128,9 +128,10 @@ int furnace_command(const Options& options) {
                    run.uncollided[c].value, run.absorbed[c].value, run.unresolved[c].value,
                    c == 0 ? verdict : "");
     // A one-sided slab has a second furnace: radiance under uniform light from both sides.
-    if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0) {
-      const RadianceCheck check =
-          check_radiance(stack, make_plan(stack, options.max_order), wi, run.walks, options.seed);
+    if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
+        !interrupted) {
+      const RadianceCheck check = check_radiance(stack, make_plan(stack, options.max_order), wi,
+                                                 run.walks, options.seed, &interrupted);
       entry["radiance"] = {{"measured", check.measured},
                            {"standard_error", check.standard_error},
                            {"predicted", check.predicted},

@@ -3,6 +3,7 @@
 #include "compare/command.h"
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
+#include "compare/output_folder.h"
 
 namespace lamella {
 namespace {
@@ -46,8 +47,9 @@ int simulate_command(const Options& options) {
   const Stack stack = stack_of(options);
   const Plan plan = make_plan(stack, options.max_order);
   const Estimator estimator = estimator_of(options, Estimator::analog);
+  if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
-  for (const Direction wi : incident_directions(options)) {
+  for (const Direction wi : incident_directions(options, stack)) {
     Simulation simulation(stack, plan, wi, estimator, parse_grid(options.grid), options.seed);
     runs.push_back(
         run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi))));

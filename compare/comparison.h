@@ -20,7 +20,7 @@ struct LobeComparison {
   Order order = Order::all;
   std::vector<double> energy_truth, energy_error, energy_model;  ///< per channel
   double rmse = 0;                ///< root of the mean squared difference [1/sr], all channels
-  double relative_rmse = 0;       ///< over the root mean square of the truth
+  double relative_rmse = 0;       ///< over the root mean square of the truth; inf if that is 0
   double rmse_without_noise = 0;  ///< with the variance of the noise removed, 0 if that exceeds it
   double relative_rmse_without_noise = 0;
   double max_error = 0;  ///< largest |difference| of a cell, noise included [1/sr]

@@ -28,6 +28,7 @@ Direction from_cosine(double mu, double phi_in_degrees) {
 
 DirectionPairs read_pairs(std::istream& in, const std::string& file) {
   DirectionPairs out;
+  out.file = file;
   const std::string allowed =
       "theta_i,phi_i,theta_o,phi_o or mu_i,phi_i,mu_o,phi_o (angles in degrees)";
   std::string line;
@@ -73,9 +74,15 @@ DirectionPairs read_pairs(std::istream& in, const std::string& file) {
                     : from_cosine(values[k], values[k + 1]);
     };
     out.rows.push_back(row);
+    out.lines.push_back(number);
     out.pairs.push_back({direction(0), direction(2)});
   }
   return out;
+}
+
+void refuse_pair(const DirectionPairs& pairs, std::size_t k, const std::string& message) {
+  throw UsageError(
+      fmt::format("{}:{}: found \"{}\", {}", pairs.file, pairs.lines[k], pairs.rows[k], message));
 }
 
 }  // namespace lamella

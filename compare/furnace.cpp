@@ -4,6 +4,8 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace lamella {
 namespace {
@@ -62,17 +64,19 @@ FurnaceRun judge_furnace(const Simulation& simulation, bool white, double level)
 }
 
 RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, std::uint64_t walks,
-                             std::uint64_t seed) {
-  constexpr int kNodes = 16;
+                             std::uint64_t seed, const std::atomic<bool>* interrupted) {
+  constexpr int kNodes = 16, kAzimuths = 16;
   using Rule = boost::math::quadrature::gauss<double, kNodes>;
   w = with_grazing_limit(w);
   RadianceCheck check;
   check.w = w;
   const double s = stack.one_sidedness() * (w.z > 0 ? 1 : -1);
-  const std::uint64_t share = std::max<std::uint64_t>(walks / (2 * kNodes + 1), kBatches);
+  const StopRule rule{.walks = std::max<std::uint64_t>(walks / (2 * kNodes + 1), kBatches),
+                      .target_error = {},
+                      .seconds = {}};
 
   Simulation along(stack, plan, w, Estimator::analog, CellGrid{1, 1, false}, seed);
-  along.advance(share);
+  lamella::run(along, rule, {}, interrupted);
   const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
     double sum = 0;
     for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
@@ -82,19 +86,21 @@ RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, 
   check.predicted_error = std::abs(std::expm1(s)) * scattered.standard_error;
 
   // L(w) = integral of f(w_i -> w) |mu_i| dw_i over both hemispheres, plus what comes straight
-  // through; in mu_i^2, where equal steps have equal weight.
+  // through; in mu_i^2, where equal steps have equal weight. The azimuth is averaged by turning w:
+  // equal steps, which are spectrally accurate around the circle, of half of it by symmetry.
+  std::vector<Direction> turned;
+  for (int k = 0; k < kAzimuths; ++k)
+    turned.push_back(direction_from_mu_phi(w.z, kPi * (k + 0.5) / kAzimuths));
   double variance = 0;
   for (const double side : {1.0, -1.0})
     for (int k = 0; k < kNodes; ++k) {
       const int half = k / 2;
       const double x = (k % 2 ? 1 : -1) * Rule::abscissa()[half];
       const double mu = std::sqrt((x + 1) / 2), weight = Rule::weights()[half] / 2;
-      Simulation node(stack, plan, direction_from_mu_phi(side * mu, 0), {w}, seed + k + 1);
-      node.advance(share);
+      Simulation node(stack, plan, direction_from_mu_phi(side * mu, 0), turned, seed + k + 1);
+      lamella::run(node, rule, {}, interrupted);
       const Estimate f = batch_estimate(node.batches(), [](const BatchTally& b) {
-        double sum = 0;
-        for (int o = 0; o < kTallyOrders; ++o) sum += b.f[static_cast<std::size_t>(o)];
-        return sum;
+        return std::accumulate(b.f.begin(), b.f.end(), 0.0) / kAzimuths;
       });
       check.measured += kPi * weight * f.value;
       variance += kPi * weight * f.standard_error * kPi * weight * f.standard_error;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <string>
 
@@ -36,8 +37,10 @@ struct RadianceCheck {
 
 /// Measures that radiance by light from Gauss-Legendre directions over both hemispheres, and
 /// predicts it from the total transmittance of light entering along w reversed. For stacks that are
-/// open below, symmetric about z and white. `walks` in all.
+/// open below, symmetric about z and white. `walks` in all; `interrupted`, once set, ends each part
+/// early.
 [[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
-                                           std::uint64_t walks, std::uint64_t seed);
+                                           std::uint64_t walks, std::uint64_t seed,
+                                           const std::atomic<bool>* interrupted = nullptr);
 
 }  // namespace lamella

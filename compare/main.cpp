@@ -3,8 +3,11 @@
 #include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 #include "compare/command.h"
 #include "compare/output_folder.h"
@@ -13,10 +16,113 @@
 namespace lamella {
 namespace {
 
+// Checks of an option's text; they answer in the words of every other error. Numbers are handed on
+// as digits.
+CLI::Validator positive_number() {
+  return {[](std::string& text) {
+            const auto value = parse_number(text);
+            if (value && *value > 0 && std::isfinite(*value)) return std::string();
+            return fmt::format("found \"{}\"; allowed: a number in (0, inf)", text);
+          },
+          ""};
+}
+
+CLI::Validator number_from_zero() {
+  return {[](std::string& text) {
+            const auto value = parse_number(text);
+            if (value && *value >= 0) return std::string();
+            return fmt::format("found \"{}\"; allowed: a number in [0, inf]", text);
+          },
+          ""};
+}
+
+CLI::Validator whole_number(std::uint64_t from, std::uint64_t to) {
+  return {[from, to](std::string& text) {
+            const auto value = parse_whole_number(text);
+            if (!value || *value < from || *value > to)
+              return fmt::format("found \"{}\"; allowed: a whole number from {} to {}", text, from,
+                                 to);
+            text = fmt::format("{}", *value);
+            return std::string();
+          },
+          ""};
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return {[words](std::string& text) {
+            if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+            const std::string hint = suggestion(text, words);
+            return fmt::format("found \"{}\"{}; allowed: {}", text, hint.empty() ? "" : ", " + hint,
+                               listed(words));
+          },
+          ""};
+}
+
+[[noreturn]] void fail_unknown(const std::string& what, const std::string& word,
+                               const std::vector<std::string>& allowed) {
+  const std::string hint = suggestion(word, allowed);
+  throw UsageError(fmt::format("{} \"{}\": unknown{}; allowed: {}", what, word,
+                               hint.empty() ? "" : ", " + hint, listed(allowed)));
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    if (!option->get_lnames().empty()) names.push_back("--" + option->get_lnames().front());
+  return names;
+}
+
+// CLI11 tells of a missing command before it tells of a wrong one.
+void check_command(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (argc < 2)
+    throw UsageError(fmt::format("found no command; allowed: {} (lamella --help)", listed(names)));
+  const std::string word = argv[1];
+  if (!word.starts_with("-")) {
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      fail_unknown("command", word, names);
+  } else if (word != "--help" && word != "-h" && word != "--version") {
+    fail_unknown("option", word, option_names(app));
+  }
+}
+
+[[noreturn]] void fail_extra(const CLI::App& command) {
+  const std::string word = command.remaining(true).front();
+  if (word.starts_with("-") && word.size() > 1)
+    fail_unknown("option", word.substr(0, word.find('=')), option_names(command));
+  throw UsageError(
+      fmt::format("{}: found \"{}\" beside what it takes; allowed: see lamella {} --help",
+                  command.get_name(), word, command.get_name()));
+}
+
 void add_json(CLI::App& command, Options& options) {
   command.add_option("--json", options.json, "Write the answer as JSON to FILE, - for stdout")
       ->type_name("FILE");
   command.add_flag("--quiet", options.quiet, "No table, no progress");
+}
+
+void add_walks(CLI::App& command, std::string& walks, const std::string& doc) {
+  command.add_option("--walks", walks, doc + " (default 1000000)")
+      ->transform(whole_number(kBatches, 1000000000000000))
+      ->type_name("N");
+}
+
+void add_max_order(CLI::App& command, Options& options) {
+  command
+      .add_option("--max-order", options.max_order,
+                  "Walks beyond it are cut and reported as unresolved (default 1000)")
+      ->transform(whole_number(1, std::uint64_t{1} << 62))
+      ->type_name("K");
+}
+
+void add_seed_and_threads(CLI::App& command, Options& options) {
+  command.add_option("--seed", options.seed, "Seed of the random numbers (default 1)")
+      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+  command.add_option("--threads", options.threads, "Threads (default: all)")
+      ->transform(whole_number(1, 4096))
+      ->type_name("N");
 }
 
 void add_run_options(CLI::App& command, Options& options, std::string& walks) {
@@ -29,30 +135,23 @@ void add_run_options(CLI::App& command, Options& options, std::string& walks) {
       ->type_name("THETA[,PHI]")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--walks", walks, "Walks per incident direction (default 1000000)")
-      ->type_name("N");
+  add_walks(command, walks, "Walks per incident direction");
   command
       .add_option("--target-error", options.target_error,
                   "Stop at this largest relative standard error of the lobe energies above 1e-3")
-      ->check(CLI::PositiveNumber)
+      ->transform(positive_number())
       ->type_name("E");
   command.add_option("--time", options.seconds, "Stop after S seconds per incident direction")
-      ->check(CLI::PositiveNumber)
+      ->transform(positive_number())
       ->type_name("S");
-  command
-      .add_option("--max-order", options.max_order,
-                  "Walks beyond it are cut and reported as unresolved (default 1000)")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 62))
-      ->type_name("K");
+  add_max_order(command, options);
   command.add_option("--estimator", options.estimator, "How light is counted (default auto)")
-      ->check(CLI::IsMember({"auto", "analog", "next-event"}));
-  command.add_option("--seed", options.seed, "Seed of the random numbers (default 1)")
-      ->type_name("N");
-  command.add_option("--threads", options.threads, "Threads (default: all)")
-      ->check(CLI::Range(1, 4096))
-      ->type_name("N");
+      ->transform(one_of({"auto", "analog", "next-event"}))
+      ->type_name("auto|analog|next-event");
+  add_seed_and_threads(command, options);
   command.add_option("--isa", options.isa, "Instruction set of the kernels (default auto)")
-      ->check(CLI::IsMember({"auto", "scalar"}));
+      ->transform(one_of({"auto", "scalar"}))
+      ->type_name("auto|scalar");
   add_json(command, options);
 }
 
@@ -69,7 +168,7 @@ void add_model(CLI::App& command, Options& options, const std::string& doc) {
   command
       .add_option("--max-error", options.max_error,
                   "Exit 1 if a model is farther off than this (see README)")
-      ->check(CLI::NonNegativeNumber)
+      ->transform(number_from_zero())
       ->type_name("E");
 }
 
@@ -117,12 +216,16 @@ int run_program(int argc, char** argv) {
   eval->add_option("--pairs", options.pairs, "CSV of direction pairs, - for stdin")
       ->required()
       ->type_name("FILE");
+  add_walks(*eval, walks, "Walks per incident direction, of truth");
+  add_max_order(*eval, options);
+  add_seed_and_threads(*eval, options);
   eval->footer(
       "Example: printf 'mu_i,phi_i,mu_o,phi_o\\n0.5,0,0.8,90\\n' | lamella eval lambert albedo=0.5 "
       "--pairs -");
 
   CLI::App* explain = app.add_subcommand("explain", "What the walk models of a stack, and why");
   explain->add_option("STACK", options.stack, "TOML file, - for stdin, or a built-in stack");
+  add_max_order(*explain, options);
   add_json(*explain, options);
   explain->footer("Example: lamella explain spongecake_plant");
 
@@ -134,14 +237,20 @@ int run_program(int argc, char** argv) {
     list->footer("Example: lamella " + list->get_name());
   }
 
+  check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    fail_extra(*app.get_subcommands().front());
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    const auto given = app.get_subcommands();
+    throw UsageError(fmt::format("{} (see lamella{} --help)", error.what(),
+                                 given.empty() ? "" : " " + given.front()->get_name()));
   }
+  if (!options.json.empty() && options.json != "-") check_output_file(options.json);
   if (!walks.empty()) options.walks = parse_walks(walks);
 
-  std::signal(SIGINT, [](int) { interrupted = true; });
   std::optional<tbb::global_control> limit;
   const int threads = options.threads ? options.threads : tbb::this_task_arena::max_concurrency();
   // More threads than cores are allowed: the answer is the same for any number.
@@ -168,7 +277,10 @@ int main(int argc, char** argv) {
     return status;
   };
   try {
-    return lamella::run_program(argc, argv);
+    const int status = lamella::run_program(argc, argv);
+    if (std::fflush(stdout) != 0)
+      throw lamella::OutputError(fmt::format("cannot write stdout: {}", std::strerror(errno)));
+    return status;
   } catch (const lamella::NonFiniteError& error) {
     return fail(error, lamella::kInvalidNumbers);
   } catch (const std::domain_error& error) {

@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <csignal>
 
 #include "phase/builtin_stacks.h"
 
@@ -12,9 +13,16 @@ namespace lamella {
 
 std::atomic<bool> interrupted = false;
 
-namespace {
+constexpr int kMaxCells = 1 << 16;
 
-std::optional<double> number(std::string_view text) {
+void catch_interrupts() {
+  std::signal(SIGINT, [](int) {
+    interrupted = true;
+    std::signal(SIGINT, SIG_DFL);
+  });
+}
+
+std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -22,7 +30,15 @@ std::optional<double> number(std::string_view text) {
   return value;
 }
 
-}  // namespace
+std::optional<std::uint64_t> parse_whole_number(std::string_view text) {
+  std::uint64_t digits = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), digits);
+  if (error == std::errc{} && end == text.data() + text.size()) return digits;
+  const auto value = parse_number(text);
+  if (!value || !(*value >= 0 && *value <= 0x1p53) || *value != std::floor(*value))
+    return std::nullopt;
+  return static_cast<std::uint64_t>(*value);
+}
 
 ModelRequest parse_model_request(const std::string& text) {
   ModelRequest request;
@@ -46,7 +62,7 @@ ModelRequest parse_model_request(const std::string& text) {
   return request;
 }
 
-std::vector<Direction> incident_directions(const Options& options) {
+std::vector<Direction> incident_directions(const Options& options, const Stack& stack) {
   std::vector<Direction> directions;
   if (options.incident.empty()) {
     for (const double theta : {0.0, 30.0, 60.0, 80.0})
@@ -55,13 +71,17 @@ std::vector<Direction> incident_directions(const Options& options) {
   }
   for (const std::string& text : options.incident) {
     const std::size_t comma = text.find(',');
-    const auto theta = number(std::string_view(text).substr(0, comma));
+    const auto theta = parse_number(std::string_view(text).substr(0, comma));
     const auto phi =
-        comma == std::string::npos ? std::optional(0.0) : number(text.substr(comma + 1));
+        comma == std::string::npos ? std::optional(0.0) : parse_number(text.substr(comma + 1));
     if (!theta || !phi || !(*theta >= 0 && *theta <= 180) || !std::isfinite(*phi))
       throw UsageError(fmt::format(
           "--wi: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180]", text));
     directions.push_back(direction_from_degrees(*theta, *phi));
+    if (directions.back().z < 0 && !stack.is_open_below())
+      throw UsageError(fmt::format(
+          "--wi: found \"{}\", light from below, which {}; allowed: THETA in [0, 90]", text,
+          stack.substrate ? "meets an opaque substrate" : "cannot come through a half space"));
   }
   return directions;
 }
@@ -78,16 +98,20 @@ CellGrid parse_grid(const std::string& text) {
       !read(view.substr(x + 1), grid.phi_cells))
     throw UsageError(fmt::format(
         "--grid: found \"{}\"; allowed: MUxPHI, such as 16x32, each from 1 to 4096", text));
+  // Every batch has sums of its own: more would be many gigabytes.
+  if (grid.mu_cells * grid.phi_cells > kMaxCells)
+    throw UsageError(
+        fmt::format("--grid: found \"{}\"; allowed: MUxPHI of at most {} cells", text, kMaxCells));
   return grid;
 }
 
 std::uint64_t parse_walks(const std::string& text) {
-  const auto value = number(text);
-  if (!value || !(*value >= kBatches && *value <= 1e15) || *value != std::floor(*value))
+  const auto value = parse_whole_number(text);
+  if (!value || *value < kBatches || *value > 1000000000000000)
     throw UsageError(fmt::format(
         "--walks: found \"{}\"; allowed: a whole number from {} (one walk per batch) to 1e15", text,
         kBatches));
-  return static_cast<std::uint64_t>(*value);
+  return *value;
 }
 
 Stack stack_of(const Options& options) {
@@ -128,10 +152,19 @@ RunResult run_with_progress(Simulation& simulation, const Options& options,
                static_cast<double>(p.walks), static_cast<double>(p.of_walks), rate, left);
     std::fflush(stderr);
   };
+  catch_interrupts();
   const double seconds = run(simulation, stop_rule(options), progress, &interrupted);
   if (show) fmt::print(stderr, "\r\x1b[K");
   RunResult result = reduce(simulation);
   result.seconds = seconds;
+  if (options.target_error && result.walks >= options.walks && !interrupted) {
+    const double reached = largest_relative_error(simulation);
+    if (reached > *options.target_error)
+      fmt::print(stderr,
+                 "lamella: warning: {}: relative error {:.2g} after {} walks, short of "
+                 "--target-error {}; raise --walks\n",
+                 label, reached, result.walks, to_text(*options.target_error));
+  }
   return result;
 }
 

@@ -45,8 +45,15 @@ struct Options {
   std::string pairs{};
 };
 
-/// The incident directions, in the order given; the default set if there is none.
-[[nodiscard]] std::vector<Direction> incident_directions(const Options& options);
+/// A number as the command line has it, "inf" among them; nothing if the text is anything else.
+[[nodiscard]] std::optional<double> parse_number(std::string_view text);
+/// A whole number, written in digits or like 1e6.
+[[nodiscard]] std::optional<std::uint64_t> parse_whole_number(std::string_view text);
+
+/// The incident directions, in the order given; the default set if there is none. Light from below
+/// is refused where the stack is closed there.
+[[nodiscard]] std::vector<Direction> incident_directions(const Options& options,
+                                                         const Stack& stack);
 [[nodiscard]] CellGrid parse_grid(const std::string& text);
 /// --walks: digits, or a number like 1e6; at least one walk per batch.
 [[nodiscard]] std::uint64_t parse_walks(const std::string& text);
@@ -59,8 +66,9 @@ struct Options {
 [[nodiscard]] double theta_degrees(Direction w);
 [[nodiscard]] double phi_degrees(Direction w);
 
-/// Set by Ctrl-C.
+/// Set by Ctrl-C once catch_interrupts() was called; a second Ctrl-C kills.
 extern std::atomic<bool> interrupted;
+void catch_interrupts();
 
 /// Where tables go: stdout, or stderr if the JSON takes stdout, or nowhere with --quiet.
 [[nodiscard]] std::FILE* table_stream(const Options& options);

@@ -95,6 +95,18 @@ void make_output_folder(const fs::path& folder) {
   if (::access(folder.c_str(), W_OK | X_OK) != 0) fail("write to folder", folder, last_error());
 }
 
+void check_output_file(const fs::path& path) {
+  const fs::file_status status = fs::status(path);
+  if (fs::is_directory(status))
+    fail("write", path, std::make_error_code(std::errc::is_a_directory));
+  const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (fs::exists(status) && ::access(path.c_str(), W_OK) != 0) fail("write", path, last_error());
+  if (fs::exists(status) && !fs::is_regular_file(status)) return;
+  if (fs::exists(parent) && !fs::is_directory(parent))
+    fail("write", path, std::make_error_code(std::errc::not_a_directory));
+  if (::access(parent.c_str(), W_OK | X_OK) != 0) fail("write", path, last_error());
+}
+
 void write_file(const fs::path& path, std::string_view bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

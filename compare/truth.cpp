@@ -9,7 +9,8 @@
 namespace lamella {
 
 std::vector<TruthValue> truth_at(const Stack& stack, const std::vector<DirectionPair>& pairs,
-                                 std::uint64_t walks, std::uint64_t max_order, std::uint64_t seed) {
+                                 std::uint64_t walks, std::uint64_t max_order, std::uint64_t seed,
+                                 const std::atomic<bool>* interrupted) {
   struct Point {
     std::size_t pair;
     Direction wo;
@@ -44,7 +45,7 @@ std::vector<TruthValue> truth_at(const Stack& stack, const std::vector<Direction
     for (const Point& p : points) directions.push_back(p.wo);
     const auto [x, y, z] = incident;
     Simulation simulation(stack, plan, {x, y, z}, directions, seed);
-    simulation.advance(walks);
+    run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, interrupted);
     const std::size_t count = points.size();
     for (std::size_t j = 0; j < count; ++j)
       for (int c = 0; c < 3; ++c) {

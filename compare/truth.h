@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "analytic/model.h"
@@ -16,9 +17,11 @@ struct TruthValue {
 /// reciprocal and w_o is nearer to grazing than w_i, the reversed pair is simulated instead, whose
 /// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
 /// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
+/// `interrupted`, once set, ends each simulation at its next checkpoint.
 [[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack,
                                                const std::vector<DirectionPair>& pairs,
                                                std::uint64_t walks, std::uint64_t max_order,
-                                               std::uint64_t seed);
+                                               std::uint64_t seed,
+                                               const std::atomic<bool>* interrupted = nullptr);
 
 }  // namespace lamella

@@ -1,0 +1,207 @@
+#include "compare/comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/math/distributions/binomial.hpp>
+#include <cmath>
+
+#include "phase/builtin_stacks.h"
+#include "phase/stack_file.h"
+#include "tests/statistics/statistics.h"
+
+namespace lamella {
+namespace {
+
+constexpr CellGrid kGrid{4, 8, false};
+
+Stack spheres(const std::string& albedo, const std::string& thickness) {
+  std::string text = "[[layer]]\nmedium = \"lambert_sphere\"\nalbedo = ";
+  text += albedo;
+  text += "\nthickness = ";
+  text += thickness;
+  return parse_stack(text, "test", "test");
+}
+
+std::unique_ptr<Model> model_of(const std::string& name, const Stack& stack,
+                                const Parameters& parameters = {}) {
+  return find_model(name)->make(parameters, &stack);
+}
+
+ProjectedLobes single_scattering(const Stack& stack, Direction wi, const CellGrid& grid,
+                                 bool reflected) {
+  return project(*model_of("single_scattering", stack), *find_model("single_scattering"), wi, grid,
+                 (wi.z > 0) == reflected, stack.is_grey() ? 1 : 3);
+}
+
+// Walks cut after one event: single scattering is then the truth in order 1 and in all.
+struct Setting {
+  Setting(Stack s, double theta)
+      : stack(std::move(s)), plan(make_plan(stack, 1)), wi(direction_from_degrees(theta, 20)) {
+    CellGrid grid = kGrid;
+    grid.folded = plan.folded;
+    for (const bool reflected : {true, false})
+      if (reflected || plan.transmits)
+        exact.push_back(single_scattering(stack, wi, grid, reflected));
+  }
+
+  // A judged report of a run against the exact lobes times `factor`.
+  [[nodiscard]] std::vector<LobeComparison> report(Estimator estimator, std::uint64_t walks,
+                                                   std::uint64_t seed, double factor = 1) const {
+    Simulation simulation(stack, plan, wi, estimator, kGrid, seed);
+    simulation.advance(walks);
+    const RunResult run = reduce(simulation);
+    std::vector<LobeComparison> lobes;
+    for (std::size_t side = 0; side < exact.size(); ++side) {
+      ProjectedLobes model = exact[side];
+      for (auto& lobe : model.lobes)
+        for (double& f : lobe) f *= factor;
+      for (LobeComparison& l : compare(simulation, run, model, side == 0))
+        lobes.push_back(std::move(l));
+    }
+    std::vector<LobeComparison*> all;
+    for (LobeComparison& l : lobes) all.push_back(&l);
+    decide(all);
+    return lobes;
+  }
+
+  Stack stack;
+  Plan plan;
+  Direction wi;
+  std::vector<ProjectedLobes> exact;  // reflected, transmitted
+};
+
+double most_refusals(int trials, double level) {
+  return boost::math::quantile(
+      complement(boost::math::binomial(trials, level), testing::test_level()));
+}
+
+TEST(Projection, OfLambertIsAlbedoOverPiInEveryCell) {
+  Parameters parameters;
+  parameters.set("albedo", Rgb{0.9, 0.5, 0.2});
+  const Stack stack = load_stack("lambert_sphere_halfspace");
+  const auto model = model_of("lambert", stack, parameters);
+  for (const double theta : {0.0, 60.0, 90.0}) {
+    const ProjectedLobes lobes =
+        project(*model, *find_model("lambert"), direction_from_degrees(theta, 0), kGrid, true, 3);
+    EXPECT_TRUE(lobes.has[kOrders]);
+    EXPECT_FALSE(lobes.has[0]);
+    ASSERT_EQ(lobes.lobes[kOrders].size(), 3u * kGrid.cells());
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < kGrid.cells(); ++k)
+        EXPECT_NEAR(lobes.lobes[kOrders][c * kGrid.cells() + k],
+                    parameters.color("albedo")[c] / kPi, 1e-15);
+  }
+}
+
+TEST(Projection, OfSingleScatteringAddsUpToItsDirectionalAlbedo) {
+  for (const char* name : {"sggx_slab", "hg_slab", "spongecake_sheen", "lambert_sphere_kd"}) {
+    const Stack stack = load_stack(name);
+    const int channels = stack.is_grey() ? 1 : 3;
+    const auto model = model_of("single_scattering", stack);
+    for (const double theta : {0.0, 60.0, 85.0}) {
+      const Direction wi = direction_from_degrees(theta, 0);
+      const Rgb albedo = model->albedo(wi);
+      for (int c = 0; c < channels; ++c) {
+        double sum = 0;
+        for (const bool reflected : {true, false}) {
+          const auto lobes = single_scattering(stack, wi, kGrid, reflected);
+          for (int k = 0; k < kGrid.cells(); ++k)
+            sum += kGrid.projected_solid_angle() * lobes.lobes[kOrders][c * kGrid.cells() + k];
+        }
+        // The projection is refined until a cell changes by less than 1e-4.
+        EXPECT_NEAR(sum / albedo[c], 1, 1e-4) << name << ' ' << theta << ' ' << c;
+      }
+    }
+  }
+}
+
+TEST(Comparison, CallsATrueModelDifferentNoMoreOftenThanItSays) {
+  for (const auto& [name, theta] :
+       {std::pair("sggx_slab", 40.0), {"spongecake_window_shade", 80.0}})
+    for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+      const Setting setting(load_stack(name), theta);
+      constexpr int kReports = 300;
+      int different = 0, below_5 = 0, below_1 = 0, lobes = 0;
+      for (int seed = 1; seed <= kReports; ++seed) {
+        bool any = false;
+        for (const LobeComparison& l : setting.report(estimator, 2000, seed)) {
+          any = any || l.verdict == Verdict::differs;
+          if (l.order != Order::all) continue;  // here the same as order 1
+          below_5 += l.p_value < 0.05;
+          below_1 += l.p_value < 0.01;
+          ++lobes;
+        }
+        different += any;
+      }
+      EXPECT_LE(different, most_refusals(kReports, kReportFalseAlarm))
+          << name << to_text(estimator);
+      EXPECT_LE(below_5, most_refusals(lobes, 0.05)) << name << to_text(estimator);
+      EXPECT_LE(below_1, most_refusals(lobes, 0.01)) << name << to_text(estimator);
+    }
+}
+
+TEST(Comparison, FindsAModelThatIsThreePercentOff) {
+  const Setting setting(load_stack("sggx_slab"), 40);
+  for (int seed = 1; seed <= 10; ++seed) {
+    const auto lobes = setting.report(Estimator::analog, 1000000, seed, 1.03);
+    // Reflected energy 0.3: its standard error is 0.15 %, so 3 % stands out by 20 of them.
+    EXPECT_EQ(lobes[0].verdict, Verdict::differs);
+    EXPECT_NEAR(lobes[0].energy_model[0] / lobes[0].energy_truth[0], 1.03, 0.01);
+    EXPECT_NEAR(lobes[0].relative_rmse_without_noise, 0.03, 0.015);
+    EXPECT_LT(lobes[0].rmse_without_noise, lobes[0].rmse);
+  }
+}
+
+TEST(Comparison, AgreesWithATrueModelOnceTheNoiseIsSmall) {
+  const Setting setting(load_stack("sggx_slab"), 40);
+  for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+    const std::uint64_t walks = estimator == Estimator::analog ? 1000000 : 100000;
+    for (const LobeComparison& l : setting.report(estimator, walks, 3)) {
+      EXPECT_EQ(l.verdict, Verdict::agrees)
+          << to_text(estimator) << l.reflected << ' ' << l.p_value << ' ' << l.relative_rmse;
+      EXPECT_LT(l.relative_rmse_without_noise, 0.02);
+    }
+  }
+}
+
+TEST(Comparison, SaysThatAFewWalksAreTooFew) {
+  const Setting setting(load_stack("sggx_slab"), 40);
+  for (const LobeComparison& l : setting.report(Estimator::analog, 500, 1))
+    EXPECT_EQ(l.verdict, Verdict::insufficient);
+}
+
+TEST(Comparison, TakesNoArrivalsForAgreementWithNextToNothing) {
+  // Optical depth 12: single scattering sends some 1e-6 of the light through.
+  const Setting setting(spheres("0.5", "12"), 0);
+  const auto lobes = setting.report(Estimator::analog, 1000, 1);
+  const LobeComparison& through = lobes.back();
+  ASSERT_FALSE(through.reflected);
+  EXPECT_EQ(through.energy_truth[0], 0);
+  EXPECT_GT(through.energy_model[0], 0);
+  EXPECT_NE(through.verdict, Verdict::differs);
+  // An energy of 1e-6 in 1000 walks shows with a chance of 1e-3 at most.
+  EXPECT_GT(through.p_value, 0.9);
+}
+
+TEST(Comparison, TakesNoArrivalsForADifferenceWhereTheModelHasLight) {
+  const Setting setting(spheres("0", "inf"), 0);
+  ProjectedLobes model = setting.exact[0];
+  for (double& f : model.lobes[kOrders]) f = 0.1 / kPi;
+  Simulation simulation(setting.stack, setting.plan, setting.wi, Estimator::analog, kGrid, 1);
+  simulation.advance(1000);
+  auto lobes = compare(simulation, reduce(simulation), model, true);
+  decide({&lobes.back()});
+  EXPECT_EQ(lobes.back().verdict, Verdict::differs);
+  EXPECT_TRUE(std::isinf(lobes.back().relative_rmse));
+}
+
+TEST(Comparison, ZIsTheDifferenceInStandardErrors) {
+  LobeComparison l;
+  l.truth = {1, 2, 0};
+  l.standard_error = {0.5, 0.25, 0};
+  l.model = {2, 1, 1};
+  EXPECT_EQ(l.z(), (std::vector<double>{2, -4, 0}));
+}
+
+}  // namespace
+}  // namespace lamella

@@ -1,0 +1,24 @@
+import os
+import pathlib
+import subprocess
+
+from lamella_program import PROGRAM, ProgramTest
+
+COMMANDS = ["", "simulate", "compare", "furnace", "eval", "explain", "models", "media", "stacks"]
+
+
+class ExamplesOfHelpWorkAsPrinted(ProgramTest):
+    def test_through_the_shell(self):
+        path = f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}"
+        for command in COMMANDS:
+            with self.subTest(command):
+                text = self.lamella(*command.split(), "--help").out
+                examples = [line.removeprefix("Example: ") for line in text.splitlines()
+                            if line.startswith("Example: ")]
+                self.assertEqual(len(examples), 1)
+                process = subprocess.run(["sh", "-ec", examples[0]], capture_output=True, text=True,
+                                         cwd=self.folder, timeout=200, check=False,
+                                         env={**os.environ, "PATH": path})
+                self.assertEqual(process.returncode, 0, examples[0] + process.stderr)
+                self.assertNotEqual(process.stdout, "")
+                self.assertIn("lamella " + command, examples[0])

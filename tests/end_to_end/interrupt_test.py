@@ -1,0 +1,40 @@
+from lamella_program import ProgramTest, check_schema
+
+
+class CtrlCKeepsWhatIsThere(ProgramTest):
+    # A checkpoint comes after 0.2 to 0.4 s; the rest is for a machine with other work.
+    LIMIT = 10
+
+    def test_simulate(self):
+        answer, seconds = self.interrupted("simulate", "sggx_slab", "--walks", "1e12", "--json", "-",
+                                           "-o", "lobes.exr")
+        self.assertEqual(answer.status, 0, str(answer))
+        self.assertLess(seconds, self.LIMIT)
+        parsed = answer.json()
+        check_schema("simulate", parsed)
+        self.assertTrue(parsed["interrupted"])
+        self.assertEqual(len(parsed["runs"]), 1)
+        self.assertTrue((self.folder / "lobes.exr").exists())
+        self.assertIn("interrupted", answer.err)
+
+    def test_compare(self):
+        answer, seconds = self.interrupted("compare", "sggx_slab", "--walks", "1e12", "--json", "-",
+                                           "--grid", "4x8", "--quiet")
+        self.assertEqual(answer.status, 0, str(answer))
+        self.assertLess(seconds, self.LIMIT)
+        check_schema("compare", answer.json())
+
+    def test_furnace(self):
+        answer, seconds = self.interrupted("furnace", "sggx_slab", "--walks", "1e12", "--json", "-")
+        self.assertEqual(answer.status, 0, str(answer))
+        self.assertLess(seconds, self.LIMIT)
+        check_schema("furnace", answer.json())
+
+    def test_truth_at_points(self):
+        self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.8,0\n0.8,0,-0.9,0\n")
+        answer, seconds = self.interrupted("eval", "truth", "stack=sggx_slab", "walks=1e12",
+                                           "--pairs", "pairs.csv")
+        self.assertEqual(answer.status, 0, str(answer))
+        self.assertLess(seconds, self.LIMIT)
+        self.assertEqual(answer.out.count("\n"), 3)
+        self.assertIn("interrupted", answer.err)

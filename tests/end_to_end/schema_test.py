@@ -1,0 +1,101 @@
+import json
+
+import jsonschema
+
+from lamella_program import SCHEMAS, ProgramTest, check_schema
+
+SLAB = """
+[[layer]]
+medium = "vmf_flake"
+alpha = inf
+albedo = [0.9, 0.5, 0.2]
+thickness = 1
+[[layer]]
+medium = "sggx"
+matrix = [1, 0.5, 0.25, 0.1, 0, 0]
+flake = "lambert"
+thickness = 0.5
+density = 2
+[[layer]]
+medium = "henyey_greenstein"
+g = -0.3
+thickness = 0
+"""
+QUICK = ["--walks", "2000", "--quiet"]
+
+
+class EveryAnswerMatchesItsSchema(ProgramTest):
+    def test_every_schema_is_valid_and_strict(self):
+        for path in sorted(SCHEMAS.glob("*.json")):
+            with self.subTest(path.name):
+                schema = json.loads(path.read_text())
+                jsonschema.Draft202012Validator.check_schema(schema)
+                for part in objects_in(schema):
+                    self.assertIn("additionalProperties", part)
+                    if part["additionalProperties"] is False:
+                        self.assertLessEqual(set(part["required"]), set(part["properties"]))
+
+    def test_a_schema_refuses_an_answer_with_a_key_too_many_or_too_few(self):
+        answer = self.json_of("stacks")
+        for change in ({"format": 2}, {"more": 1}, {"stacks": [{"name": "x"}]}):
+            with self.assertRaises(jsonschema.ValidationError):
+                check_schema("stacks", {**answer, **change})
+
+    def test_simulate_of_grey_coloured_open_and_closed_stacks(self):
+        self.write("slab.toml", SLAB)
+        for stack in ("lambert_sphere_halfspace", "spongecake_window_shade", "spongecake_sheen",
+                      "./slab.toml"):
+            with self.subTest(stack):
+                self.json_of("simulate", stack, *QUICK)
+
+    def test_a_half_space_is_written_as_the_string_inf(self):
+        stack = self.json_of("simulate", "lambert_sphere_halfspace", *QUICK)["stack"]
+        self.assertEqual(stack["layer"][0]["thickness"], "inf")
+
+    def test_compare_and_the_report_in_its_folder(self):
+        answer = self.json_of("compare", "sggx_slab", "--grid", "4x8", "--wi", "30", *QUICK)
+        report = json.loads((self.folder / "sggx_slab-compare/report.json").read_text())
+        check_schema("compare", report)
+        self.assertEqual(answer, report)
+
+    def test_compare_where_nothing_arrives(self):
+        self.write("black.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = 0\n'
+                                 'thickness = inf\n')
+        answer = self.json_of("compare", "black.toml", "--model", "lambert,albedo=0.9,0.5,0.2",
+                              "--wi", "30", *QUICK)
+        lobe = answer["models"][0]["lobes"][0]
+        self.assertEqual((lobe["relative_rmse"], lobe["verdict"]), ("inf", "differs"))
+
+    def test_furnaces_of_stacks_and_of_models(self):
+        self.write("vmf.toml", '[[layer]]\nmedium = "vmf_flake"\nroughness = 0.5\nthickness = 1\n')
+        self.assertIn("radiance", self.json_of("furnace", "vmf.toml", *QUICK)["runs"][0])
+        self.json_of("furnace", "spongecake_window_shade", "--as-is", *QUICK)
+        self.json_of("furnace", "--model", "lambert", "--quiet")
+
+    def test_explain_models_media_and_stacks(self):
+        for command in ("explain", "models", "media", "stacks"):
+            with self.subTest(command):
+                self.json_of(command)
+
+    def test_bench_rows_as_the_contract_has_them(self):
+        row = {"what": "sggx_slab/walk", "kind": "walk", "seconds": 1.5,
+               "collisions_per_second_per_core": 1e7, "ns_per_eval": None, "error": 0.01,
+               "baseline": None, "ratio_to_baseline": None}
+        answer = {"format": 1, "command": "bench", "seed": 1, "threads": 2, "isa": "scalar",
+                  "rows": [row]}
+        check_schema("bench", answer)
+        for key in row:
+            with self.assertRaises(jsonschema.ValidationError):
+                check_schema("bench", {**answer, "rows": [{k: row[k] for k in row if k != key}]})
+
+
+def objects_in(schema):
+    """Every part of a schema that describes an object."""
+    if isinstance(schema, dict):
+        if schema.get("type") == "object":
+            yield schema
+        for value in schema.values():
+            yield from objects_in(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from objects_in(value)
