@@ -176,7 +176,12 @@ Answer eval_model(const std::string& what, KeyValues values, const DirectionPair
     parts.push_back(bound.info->lobes[k].name);
     if (bound.info->lobes[k].name == part) lobe = static_cast<int>(k);
   }
-  if (!part.empty() && part != "pdf" && part != "albedo" && lobe < 0) {
+  const PartInfo* extra = nullptr;
+  for (const PartInfo& p : bound.info->parts) {
+    parts.push_back(p.name);
+    if (p.name == part) extra = &p;
+  }
+  if (!part.empty() && part != "pdf" && part != "albedo" && lobe < 0 && !extra) {
     const std::string hint = suggestion(part, parts);
     throw UsageError(fmt::format("{}: part \"{}\": unknown{}; allowed: {}", name, part,
                                  hint.empty() ? "" : ", " + hint, listed(parts)));
@@ -188,6 +193,9 @@ Answer eval_model(const std::string& what, KeyValues values, const DirectionPair
       answer.f.emplace_back(bound.model->pdf(pair.wi, pair.wo));
     } else if (part == "albedo") {
       answer.f.push_back(bound.model->albedo(with_grazing_limit(pair.wi)));
+    } else if (extra) {
+      answer.f.push_back(extra->eval(bound.parameters, with_grazing_limit(pair.wi),
+                                     with_grazing_limit(pair.wo)));
     } else {
       const bool grazing = pair.wi.z == 0 && pair.wo.z == 0;
       const Rgb f = lobe < 0 ? bound.model->eval(pair.wi, pair.wo)

@@ -77,6 +77,8 @@ int models_command(const Options& options) {
       for (const LobeInfo& lobe : info.lobes)
         fmt::print(out, "    .{:<9} {}; stands for order {}\n", lobe.name, lobe.doc,
                    to_text(lobe.order));
+      for (const PartInfo& part : info.parts)
+        fmt::print(out, "    .{:<9} {}\n", part.name, part.doc);
     }
     Json lobes = Json::array();
     for (const LobeInfo& lobe : info.lobes)
