@@ -1,5 +1,7 @@
 #include "compare/benchmark.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -39,6 +41,17 @@ double InterleavedTimes::median_ratio() const {
 }
 
 double seconds_of(const std::function<void()>& f) {
+  const auto now = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  const double start = now();
+  f();
+  return now() - start;
+}
+
+double wall_seconds_of(const std::function<void()>& f) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   f();
@@ -46,11 +59,12 @@ double seconds_of(const std::function<void()>& f) {
 }
 
 InterleavedTimes interleave(int repetitions, const std::function<void()>& first,
-                            const std::function<void()>& second) {
+                            const std::function<void()>& second,
+                            double (*clock)(const std::function<void()>&)) {
   InterleavedTimes times;
   for (int k = 0; k < repetitions; ++k) {
-    times.first.push_back(seconds_of(first));
-    times.second.push_back(seconds_of(second));
+    times.first.push_back(clock(first));
+    times.second.push_back(clock(second));
   }
   return times;
 }

@@ -37,6 +37,13 @@ struct BenchmarkEffort {
   static BenchmarkEffort quick() { return {3, 0.01, 0.001, 0.05}; }
 };
 
+/// Seconds that the calling thread computed during one call: what other programs take from it does
+/// not count.
+[[nodiscard]] double seconds_of(const std::function<void()>& f);
+
+/// Seconds by the clock on the wall, for what runs in many threads.
+[[nodiscard]] double wall_seconds_of(const std::function<void()>& f);
+
 /// Seconds per repetition of two alternating programs.
 struct InterleavedTimes {
   std::vector<double> first, second;
@@ -44,11 +51,9 @@ struct InterleavedTimes {
   /// Median over the repetitions of second / first: how many times faster the first is.
   [[nodiscard]] double median_ratio() const;
 };
-[[nodiscard]] InterleavedTimes interleave(int repetitions, const std::function<void()>& first,
-                                          const std::function<void()>& second);
-
-/// Wall-clock seconds of one call.
-[[nodiscard]] double seconds_of(const std::function<void()>& f);
+[[nodiscard]] InterleavedTimes interleave(
+    int repetitions, const std::function<void()>& first, const std::function<void()>& second,
+    double (*clock)(const std::function<void()>&) = seconds_of);
 
 /// A stack of the walk rows and the textbook loop of the same physics.
 struct BenchmarkStack {

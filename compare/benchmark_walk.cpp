@@ -153,11 +153,11 @@ void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const Re
                       kCells, seed);
   const auto advance = [](Simulation& s, std::uint64_t n) { s.advance(s.walks() + n); };
   const std::uint64_t walks =
-      calibrate(4 * effort.repetition_seconds, [&](std::uint64_t n) { advance(parallel, n); });
+      calibrate(effort.repetition_seconds, [&](std::uint64_t n) { advance(parallel, n); });
   const std::uint64_t before = parallel.collisions();
   const InterleavedTimes times = interleave(
       effort.repetitions, [&] { advance(parallel, walks); },
-      [&] { one.execute([&] { advance(single, walks); }); });
+      [&] { one.execute([&] { advance(single, walks); }); }, wall_seconds_of);
   BenchmarkRow row{.what = name + "/threads", .kind = "walk"};
   row.seconds = times.total_first();
   row.collisions_per_second_per_core =

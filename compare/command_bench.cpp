@@ -16,7 +16,7 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("variance_ratio"))
     note +=
         fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
-  if (row.extra.value("extrapolated", false))
+  if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
     note += note.empty() ? "extrapolated" : ", extrapolated";
   fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", row.what,
              cell(row.seconds, "{:.3g}"), cell(row.collisions_per_second_per_core, "{:.3g}"),
