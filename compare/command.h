@@ -10,6 +10,7 @@ namespace lamella {
 int simulate_command(const Options& options);
 int compare_command(const Options& options);
 int furnace_command(const Options& options);
+int bench_command(const Options& options);
 int explain_command(const Options& options);
 int models_command(const Options& options);
 int media_command(const Options& options);

@@ -50,14 +50,20 @@ Json to_json(const Stack& stack) {
   return out;
 }
 
-Json json_header(const std::string& command, const Stack& stack, const Options& options) {
+Json json_header(const std::string& command, const Options& options) {
   return {{"format", 1},
           {"command", command},
           {"version", LAMELLA_VERSION},
-          {"stack", to_json(stack)},
           {"seed", options.seed},
           {"threads", tbb::this_task_arena::max_concurrency()},
           {"isa", "scalar"}};
+}
+
+Json json_header(const std::string& command, const Stack& stack, const Options& options) {
+  Json header{
+      {"format", 1}, {"command", command}, {"version", LAMELLA_VERSION}, {"stack", to_json(stack)}};
+  header.update(json_header(command, options));
+  return header;
 }
 
 Json values_of(const std::array<Estimate, 3>& e, int channels) {

@@ -9,7 +9,10 @@
 
 namespace lamella {
 
-/// What every JSON answer starts with: format, command, stack, seed, threads, isa.
+/// What every JSON answer starts with: format, command, stack (if there is one), seed, threads,
+/// isa.
+[[nodiscard]] nlohmann::ordered_json json_header(const std::string& command,
+                                                 const Options& options);
 [[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, const Stack& stack,
                                                  const Options& options);
 

@@ -209,6 +209,18 @@ int run_program(int argc, char** argv) {
   furnace->add_flag("--strict", options.strict, "Exit 1 also when inconclusive");
   furnace->footer("Example: lamella furnace spongecake_two_layer --walks 1e5");
 
+  CLI::App* bench = app.add_subcommand("bench", "Speed against error, with baselines");
+  bench->add_option("--seed", options.seed, "Seed of the random numbers (default 1)")
+      ->type_name("N");
+  bench->add_option("--threads", options.threads, "Threads of the scaling row (default: all)")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  bench->add_option("--isa", options.isa, "Instruction set of the kernels (default auto)")
+      ->check(CLI::IsMember({"auto", "scalar"}));
+  bench->add_flag("--quick", options.quick, "Every row in a few seconds: noisy");
+  add_json(*bench, options);
+  bench->footer("Example: lamella bench --json bench.json");
+
   CLI::App* eval = app.add_subcommand("eval", "Values of a model at direction pairs, as CSV");
   eval->add_option("MODEL", words, "Model or medium (see README), then key=value...")
       ->required()
@@ -260,6 +272,7 @@ int run_program(int argc, char** argv) {
     if (simulate->parsed()) return simulate_command(options);
     if (compare->parsed()) return compare_command(options);
     if (furnace->parsed()) return furnace_command(options);
+    if (bench->parsed()) return bench_command(options);
     if (eval->parsed()) return eval_command(options, words);
     if (explain->parsed()) return explain_command(options);
     if (models->parsed()) return models_command(options);

@@ -38,7 +38,7 @@ struct Options {
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all
   std::string isa = "auto";
-  bool quiet = false, strict = false, as_is = false;
+  bool quiet = false, strict = false, as_is = false, quick = false;
   std::string json{}, output{};
   std::vector<std::string> models{};
   std::optional<double> max_error{};

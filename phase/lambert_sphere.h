@@ -21,12 +21,13 @@ namespace lamella {
   return 2 * difference / (3 * kPi * kPi);
 }
 
-/// Exact sample of the deflection cosine from three uniforms in [0, 1) (d'Eon 2021, eq. 6).
+/// Exact sample of the deflection cosine from three uniforms in [0, 1) (d'Eon 2021, eq. 6, with
+/// sin(pi (u3 - 1/2)) for sin(2 pi u3), which has the same distribution and a shorter series).
 template <class Real>
 [[nodiscard]] Real lambert_sphere_cosine(Real u1, Real u2, Real u3) {
-  using std::sin;
   using std::sqrt;
-  return sqrt((Real(1) - u1) * (Real(1) - u2)) * sin(Real(2 * kPi) * u3) - sqrt(u1 * u2);
+  const auto [s, c] = sine_cosine_near_zero((u3 - Real(0.5)) * Real(kPi / 2));
+  return sqrt((Real(1) - u1) * (Real(1) - u2)) * (Real(2) * s * c) - sqrt(u1 * u2);
 }
 
 /// Probability that the deflection cosine is at most `cosine`:
@@ -50,9 +51,8 @@ struct LambertSphere {
       return {lambert_sphere_phase(-dot(wi, wo)), 0};
     }
     [[nodiscard]] Scatter sample(RandomStream& stream) const {
-      const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
-      const double cosine = lambert_sphere_cosine(u1, u2, u3);
-      return {deflect(-wi, cosine, stream.uniform()), 0};
+      const auto [u1, u2, u3, u4] = stream.four_uniforms();
+      return {deflect(-wi, lambert_sphere_cosine(u1, u2, u3), u4), 0};
     }
   };
 

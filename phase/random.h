@@ -2,6 +2,7 @@
 
 #include <Random123/philox.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -23,13 +24,20 @@ class RandomStream {
                   static_cast<std::uint32_t>(index >> 32)}} {}
 
   /// 32 random bits.
-  [[nodiscard]] std::uint32_t bits() {
+  [[nodiscard, gnu::always_inline]] std::uint32_t bits() {
     if (used_ == 4) refill();
     return block_.v[used_++];
   }
 
   /// Uniform in (0, 1), a multiple of 2^-33 that is never 0 and never 1.
-  [[nodiscard]] double uniform() { return (bits() + 0.5) * 0x1p-32; }
+  [[nodiscard, gnu::always_inline]] double uniform() { return (bits() + 0.5) * 0x1p-32; }
+
+  /// Four uniforms at once: a block of their own, so that none is looked for in the last one.
+  [[nodiscard, gnu::always_inline]] std::array<double, 4> four_uniforms() {
+    const auto block = next_block();
+    return {(block.v[0] + 0.5) * 0x1p-32, (block.v[1] + 0.5) * 0x1p-32,
+            (block.v[2] + 0.5) * 0x1p-32, (block.v[3] + 0.5) * 0x1p-32};
+  }
 
   /// Exponentially distributed with mean 1, in (0, infinity). The smallest cell of the uniform
   /// number is resolved further, so that the tail is not cut at 32 ln 2.
@@ -44,9 +52,14 @@ class RandomStream {
   }
 
  private:
-  void refill() {
-    block_ = r123::Philox4x32_R<7>()(counter_, key_);
+  [[nodiscard, gnu::always_inline]] r123::Philox4x32::ctr_type next_block() {
+    const auto block = r123::Philox4x32_R<7>()(counter_, key_);
     ++counter_.v[0];
+    return block;
+  }
+  // Apart, so that the rest of `bits` is inlined everywhere.
+  [[gnu::noinline]] void refill() {
+    block_ = next_block();
     used_ = 0;
   }
 

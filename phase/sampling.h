@@ -1,19 +1,18 @@
 #pragma once
 
 #include "phase/direction.h"
+#include "phase/trigonometry.h"
 
 namespace lamella {
 
 /// Uniform point of the unit sphere from two uniforms in (0, 1).
 template <class Real>
-[[nodiscard]] Vec3<Real> uniform_sphere(Real u1, Real u2) {
-  using std::cos;
-  using std::sin;
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> uniform_sphere(Real u1, Real u2) {
   using std::sqrt;
   const Real z = Real(1) - Real(2) * u1;
   const Real r = Real(2) * sqrt(u1 * (Real(1) - u1));
-  const Real phi = Real(2 * kPi) * u2;
-  return {r * cos(phi), r * sin(phi), z};
+  const auto [sine, cosine] = sine_cosine_of_turns(u2);
+  return {r * cosine, r * sine, z};
 }
 
 /// Direction about the unit vector n with density cos / pi: the normalised sum of n and a uniform
@@ -29,22 +28,20 @@ template <class Real>
 
 /// The direction that makes the given cosine with the unit vector axis, at azimuth 2 pi u.
 template <class Real>
-[[nodiscard]] Vec3<Real> deflect(Vec3<Real> axis, Real cosine, Real u) {
-  using std::cos;
-  using std::sin;
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine, Real u) {
   using std::sqrt;
   const Real s2 = (Real(1) - cosine) * (Real(1) + cosine);
   const Real s = sqrt(s2 > Real(0) ? s2 : Real(0));
-  const Real phi = Real(2 * kPi) * u;
+  const auto [sin_phi, cos_phi] = sine_cosine_of_turns(u);
   const Frame<Real> frame = frame_around(axis);
-  return normalized(frame.to_world({s * cos(phi), s * sin(phi), cosine}));
+  return renormalized(frame.to_world({s * cos_phi, s * sin_phi, cosine}));
 }
 
 /// w mirrored at the plane with unit normal m: 2 (w.m) m - w, renormalised so that errors do not
 /// grow along a walk.
 template <class Real>
 [[nodiscard]] Vec3<Real> mirrored(Vec3<Real> w, Vec3<Real> m) {
-  return normalized(Real(2) * dot(w, m) * m - w);
+  return renormalized(Real(2) * dot(w, m) * m - w);
 }
 
 }  // namespace lamella

@@ -51,12 +51,14 @@ template <class Real>
 }
 
 /// A normal visible from the unit direction w, density D(m) <w, m> / sigma(w), from two uniforms:
-/// m is along A u with u about A^T w by the cosine law. No frame, no trigonometry but that of the
-/// uniform point.
+/// m is along A u with u about v = A^T w by the cosine law, u along v + |v| times a uniform point
+/// of the sphere. No frame, no trigonometry but that of the uniform point, lengths taken once.
 template <class Real>
 [[nodiscard]] Vec3<Real> visible_normal(const SggxMatrix<Real>& a, Vec3<Real> w, Real u1, Real u2) {
-  const Vec3<Real> v = normalized(a.apply_transposed(w));
-  return normalized(a.apply(cosine_hemisphere(v, u1, u2)));
+  const Vec3<Real> v = a.apply_transposed(w);
+  const Vec3<Real> u = v + length(v) * uniform_sphere(u1, u2);
+  if (!(dot(u, u) > Real(0))) return normalized(a.apply(v));
+  return normalized(a.apply(u));
 }
 
 /// The distribution as the media use it.

@@ -42,6 +42,13 @@ template <class Real>
   return (Real(1) / sqrt(dot(a, a))) * a;
 }
 
+/// A vector whose length is 1 up to rounding, made unit again by one step of Newton's: an error e
+/// of the length becomes 3/2 e^2, without root or division.
+template <class Real>
+[[nodiscard]] constexpr Vec3<Real> renormalized(Vec3<Real> a) {
+  return (Real(1.5) - Real(0.5) * dot(a, a)) * a;
+}
+
 /// An orthonormal right-handed frame (s, t, n).
 template <class Real>
 struct Frame {

@@ -332,8 +332,8 @@ Direction Vmf::normal_by_mixture(Direction wi, double u, RandomStream& stream) c
       const double below =
           u < 0 ? 1 + decaying_cosine(kappa_, stream) : axial_complement(kappa_, stream);
       const double r = std::sqrt(below * (2 - below)), v = 1 - below;
-      const double phi = 2 * kPi * stream.uniform();
-      m = {r * std::cos(phi), r * std::sin(phi), v};
+      const auto [sine, cosine] = sine_cosine_of_turns(stream.uniform());
+      m = {r * cosine, r * sine, v};
     } else {
       const double below = tangential_complement(kappa_, stream);
       const double r = std::sqrt(below * (2 - below)), v = 1 - below;
@@ -343,7 +343,7 @@ Direction Vmf::normal_by_mixture(Direction wi, double u, RandomStream& stream) c
     const double projected = u * m.z + s * m.x;
     const double bound = std::abs(u) * std::max(0.0, sign * m.z) + s * std::max(0.0, m.x);
     if (stream.uniform() * bound < projected)
-      return normalized(m.x * tangent + m.y * binormal + m.z * axis_);
+      return renormalized(m.x * tangent + m.y * binormal + m.z * axis_);
   }
 }
 

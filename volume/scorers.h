@@ -22,6 +22,19 @@ struct CellTargets {
   [[nodiscard]] int find(Direction wo) const;
 };
 
+/// Scores nothing: for the energies alone.
+struct NullScorer {
+  template <std::size_t C>
+  void leave(Direction, const std::array<double, C>&, std::uint64_t, bool) {}
+  template <class Event, std::size_t C>
+  void collision(const WalkLayer&, int, double, const Event&, const std::array<double, C>&,
+                 std::uint64_t) {}
+  template <std::size_t C>
+  void substrate(const std::array<double, C>&, const std::array<double, C>&, std::uint64_t) {}
+  void begin_walk(std::uint64_t, std::uint64_t) {}
+  [[nodiscard]] bool finite() const { return true; }
+};
+
 /// Analog estimator: a walk that leaves counts in the cell of its direction.
 template <int C>
 class AnalogScorer {

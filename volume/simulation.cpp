@@ -81,6 +81,11 @@ Simulation::RunBatch Simulation::runner(Estimator estimator, bool points) {
         AnalogScorer<C> scorer(targets_, batches_[batch]);
         walks_of(medium, single, scorer, batch, from, to);
       };
+    if (points && points_.empty())
+      return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
+        NullScorer scorer;
+        walks_of(medium, single, scorer, batch, from, to);
+      };
     if (points)
       return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
         NextEventScorer<C> scorer(points_, walk_stack_, batches_[batch]);

@@ -25,6 +25,7 @@ class Simulation {
   Simulation(const Stack& stack, const Plan& plan, Direction incident, Estimator estimator,
              CellGrid grid, std::uint64_t seed);
   /// f at points, by next-event estimation. Every point must have mu != 0; those that go up first.
+  /// Without points: the energies alone.
   Simulation(const Stack& stack, const Plan& plan, Direction incident,
              std::vector<Direction> points, std::uint64_t seed);
   ~Simulation();

@@ -95,13 +95,14 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
       before = std::max(before, weight[c]);
       after = std::max(after, on[c]);
     }
-    if (after < before) {
-      const double chance = order < kTallyOrders ? 1 : after / before;
-      if (after == 0 || (chance < 1 && stream.uniform() >= chance)) {
+    if (order >= kTallyOrders || after == 0) {
+      // Survival with chance after / before.
+      if (after < before && stream.uniform() * before >= after) {
         add(energy.absorbed);
         return false;
       }
-      for (int c = 0; c < C; ++c) on[c] /= chance;
+      if constexpr (C == 1) return true;  // with the weight it had
+      for (int c = 0; c < C; ++c) on[c] *= before / after;
     }
     for (int c = 0; c < C; ++c) {
       energy.absorbed[c] += weight[c] - on[c];
@@ -114,23 +115,22 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
     // Free flight along -wi, exact across layers.
     double remaining = stream.exponential();
     const bool down = wi.z > 0;
-    const double inverse_mu = 1 / std::max(std::abs(wi.z), 1e-300);
     bool collides = false;
     while (kSingle || (layer >= 0 && layer <= last)) {
       const WalkLayer& l = stack.layers[kSingle ? 0 : layer];
       const double area =
           with_medium(medium_of<M>(l), [&](const auto& medium) { return medium.sigma(wi); });
-      const double rate = area * inverse_mu;
-      const double room = down ? l.depth - y : y;
-      const double tau = rate > 0 ? rate * room : 0;
-      if (remaining < tau) {
-        const double step = remaining / rate;
-        y = down ? std::min(y + step, l.depth) : std::max(y - step, 0.0);
+      // Where the light would collide; it does if that is short of the boundary ahead. A
+      // direction's sign is random: no branch on it. Not a number or infinite where no area faces
+      // the light.
+      const double to = y + remaining * wi.z / area;
+      if (((to > 0) | down) & ((to < l.depth) | !down)) {
+        y = to;
         collides = true;
         break;
       }
-      remaining -= tau;
       if constexpr (kSingle) break;
+      if (area > 0) remaining -= area * (down ? l.depth - y : y) / std::max(std::abs(wi.z), 1e-300);
       layer += down ? 1 : -1;
       if (layer >= 0 && layer <= last) y = down ? 0 : stack.layers[layer].depth;
     }

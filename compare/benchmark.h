@@ -1,0 +1,89 @@
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/options.h"
+#include "compare/textbook_walk.h"
+
+namespace lamella {
+
+/// One measurement, beside its baseline from the same run. What does not apply is absent.
+struct BenchmarkRow {
+  std::string what;
+  std::string kind;  ///< walk, deterministic, closed_form
+  std::optional<double> seconds{};
+  std::optional<double> collisions_per_second_per_core{};
+  std::optional<double> ns_per_eval{};
+  std::optional<double> error{};              ///< relative standard error reached
+  std::string baseline{};                     ///< in words; empty: none
+  std::optional<double> ratio_to_baseline{};  ///< above 1 is faster than the baseline
+  nlohmann::ordered_json extra{};             ///< further keys, an object or null
+};
+
+/// The row with every key of the contract, null where absent, then the extra ones.
+[[nodiscard]] nlohmann::ordered_json to_json(const BenchmarkRow& row);
+
+/// How long to measure. Rates of two programs are compared by interleaved repetitions of the same
+/// length, so that a change of the machine's speed meets both.
+struct BenchmarkEffort {
+  int repetitions = 5;
+  double repetition_seconds = 0.12;  ///< of each walk and each baseline
+  double evaluation_seconds = 0.01;  ///< of a closed form, per repetition
+  double accuracy_seconds = 1.5;     ///< per stack and estimator
+  static BenchmarkEffort quick() { return {3, 0.01, 0.001, 0.05}; }
+};
+
+/// Seconds that the calling thread computed during one call: what other programs take from it does
+/// not count.
+[[nodiscard]] double seconds_of(const std::function<void()>& f);
+
+/// Seconds by the clock on the wall, for what runs in many threads.
+[[nodiscard]] double wall_seconds_of(const std::function<void()>& f);
+
+/// Seconds per repetition of two alternating programs.
+struct InterleavedTimes {
+  std::vector<double> first, second;
+  [[nodiscard]] double total_first() const;
+  /// Median over the repetitions of second / first: how many times faster the first is.
+  [[nodiscard]] double median_ratio() const;
+};
+[[nodiscard]] InterleavedTimes interleave(
+    int repetitions, const std::function<void()>& first, const std::function<void()>& second,
+    double (*clock)(const std::function<void()>&) = seconds_of);
+
+/// A stack of the walk rows and the textbook loop of the same physics.
+struct BenchmarkStack {
+  std::string name;
+  TextbookCase textbook;
+};
+[[nodiscard]] const std::vector<BenchmarkStack>& benchmark_stacks();
+
+/// The incident direction of all walk rows: theta_i = 60 degrees.
+[[nodiscard]] Direction benchmark_incident();
+
+/// `count` directions that cover the upper hemisphere evenly in mu and phi.
+[[nodiscard]] std::vector<Direction> benchmark_points(int count);
+
+using ReportRow = std::function<void(BenchmarkRow)>;
+
+/// Walks of the stacks above: walk, walk+cells, nee1, nee16, nee64, against the textbook loops,
+/// one thread.
+void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// Seconds to 1 % standard error of lobes, by estimator, one thread.
+void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// What the plan saves against the general one on the same stack, one thread.
+void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// One thread against the calling thread's task arena.
+void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// Nanoseconds per evaluation of every closed form, single and in batches.
+void measure_models(const BenchmarkEffort& effort, const ReportRow& report);
+
+}  // namespace lamella

@@ -1,0 +1,85 @@
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <map>
+
+#include "compare/benchmark.h"
+#include "phase/builtin_stacks.h"
+
+namespace lamella {
+namespace {
+
+constexpr double kTarget = 0.01;
+constexpr const char* kLobes[] = {"order1", "order2", "order3", "order4plus", "all"};
+
+// Root mean square of the cells' standard errors over that of their values: cells have equal
+// projected solid angles. Nothing for a lobe that no walk has met.
+std::optional<double> lobe_error(const LobeEstimate& lobe) {
+  double noise = 0, signal = 0;
+  for (std::size_t k = 0; k < lobe.value.size(); ++k) {
+    noise += lobe.standard_error[k] * lobe.standard_error[k];
+    signal += lobe.value[k] * lobe.value[k];
+  }
+  if (signal == 0) return std::nullopt;
+  return std::sqrt(noise / signal);
+}
+
+struct LobeTime {
+  double seconds;
+  bool extrapolated;
+  double reached;
+};
+
+// Runs for so long, at doubling numbers of walks, and notes when each lobe came below the target.
+// Time to 1 % is the time taken, scaled by the variance: seconds (error / 1 %)^2.
+std::map<std::string, LobeTime> times_to_target(const Stack& stack, Estimator estimator,
+                                                double seconds, std::uint64_t seed) {
+  Simulation simulation(stack, make_plan(stack), benchmark_incident(), estimator, CellGrid{}, seed);
+  double taken = 0;
+  std::map<std::string, LobeTime> times;
+  for (std::uint64_t walks = 16 * kBatches; taken < seconds; walks *= 2) {
+    taken += seconds_of([&] { simulation.advance(walks); });
+    const RunResult run = reduce(simulation);
+    for (const bool reflected : {true, false}) {
+      const SideResult& side = reflected ? run.reflected : run.transmitted;
+      for (int o = 0; o <= kTallyOrders; ++o) {
+        const auto error = lobe_error(side.lobes[o]);
+        if (!error) continue;
+        const double scale = *error / kTarget;
+        times.insert_or_assign(std::string(reflected ? "reflect." : "transmit.") + kLobes[o],
+                               LobeTime{taken * scale * scale, *error > kTarget, *error});
+      }
+    }
+  }
+  return times;
+}
+
+}  // namespace
+
+void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
+  tbb::task_arena one(1);
+  for (const char* name : {"lambert_sphere_halfspace", "spongecake_two_layer", "vmf_sand"}) {
+    const Stack stack = load_stack(name);
+    std::map<std::string, LobeTime> analog;
+    for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+      const auto times = one.execute(
+          [&] { return times_to_target(stack, estimator, effort.accuracy_seconds, seed); });
+      if (estimator == Estimator::analog) analog = times;
+      for (const auto& [lobe, time] : times) {
+        BenchmarkRow row{.what = std::string(name) + "/1%/" + to_text(estimator) + "/" + lobe,
+                         .kind = "walk"};
+        row.seconds = time.seconds;
+        row.error = kTarget;
+        row.extra = {{"extrapolated", time.extrapolated}, {"error_reached", time.reached}};
+        const auto base = analog.find(lobe);
+        if (estimator != Estimator::analog && base != analog.end()) {
+          row.baseline = "analog";
+          row.ratio_to_baseline = base->second.seconds / time.seconds;
+        }
+        report(std::move(row));
+      }
+    }
+  }
+}
+
+}  // namespace lamella

@@ -1,0 +1,172 @@
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "compare/benchmark.h"
+#include "phase/builtin_stacks.h"
+
+namespace lamella {
+namespace {
+
+constexpr std::uint64_t kMaxOrder = 1000;
+constexpr CellGrid kCells{};
+
+struct Task {
+  const char* name;
+  TextbookTally tally;
+  int points;
+};
+constexpr Task kTasks[] = {{"walk", TextbookTally::none, 0},
+                           {"walk+cells", TextbookTally::cells, 0},
+                           {"nee1", TextbookTally::points, 1},
+                           {"nee16", TextbookTally::points, 16},
+                           {"nee64", TextbookTally::points, 64}};
+
+// Mean relative standard error of all orders together over the targets that have met light.
+double mean_target_error(const Simulation& simulation, int targets) {
+  double sum = 0;
+  int lit = 0;
+  const std::size_t stride = simulation.batches().front().f.size() / kTallyOrders;
+  for (int j = 0; j < targets; ++j) {
+    const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+      double f = 0;
+      for (int o = 0; o < kTallyOrders; ++o) f += b.f[o * stride + j];
+      return f;
+    });
+    if (e.value <= 0) continue;
+    sum += e.standard_error / e.value;
+    ++lit;
+  }
+  return lit ? sum / lit : std::nan("");
+}
+
+double reflected_error(const Simulation& simulation) {
+  const Estimate e = batch_estimate(simulation.batches(), [](const BatchTally& b) {
+    double sum = 0;
+    for (const auto& order : b.energy.up) sum += order[0];
+    return sum;
+  });
+  return e.standard_error / e.value;
+}
+
+// So many walks, a multiple of the batches, that `advance` takes about that long.
+template <class Advance>
+std::uint64_t calibrate(double seconds, const Advance& advance) {
+  std::uint64_t walks = 2 * kBatches;
+  for (;;) {
+    const double taken = seconds_of([&] { advance(walks); });
+    if (taken > seconds / 4 || walks > (1u << 28)) {
+      const double scaled = static_cast<double>(walks) * seconds / taken / kBatches;
+      return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(scaled)) * kBatches;
+    }
+    walks *= 4;
+  }
+}
+
+void measure_walk(const BenchmarkStack& which, const Task& task, const BenchmarkEffort& effort,
+                  std::uint64_t seed, const ReportRow& report) {
+  const Stack stack = load_stack(which.name);
+  const Plan plan = make_plan(stack, kMaxOrder);
+  const Direction wi = benchmark_incident();
+  const std::vector<Direction> points = benchmark_points(task.points);
+  const auto simulation =
+      task.tally == TextbookTally::cells
+          ? std::make_unique<Simulation>(stack, plan, wi, Estimator::analog, kCells, seed)
+          : std::make_unique<Simulation>(stack, plan, wi, points, seed);
+  TextbookWalk textbook(which.textbook, wi, task.tally, points, seed);
+
+  const auto engine = [&](std::uint64_t n) { simulation->advance(simulation->walks() + n); };
+  const std::uint64_t walks = calibrate(effort.repetition_seconds, engine);
+  textbook.advance(walks);  // warms up
+  const std::uint64_t engine_before = simulation->collisions();
+  const std::uint64_t textbook_before = textbook.result().collisions;
+  const InterleavedTimes times = interleave(
+      effort.repetitions, [&] { engine(walks); }, [&] { textbook.advance(walks); });
+  const double collisions = static_cast<double>(simulation->collisions() - engine_before);
+  const double textbook_collisions =
+      static_cast<double>(textbook.result().collisions - textbook_before);
+
+  BenchmarkRow row{.what = which.name + "/" + task.name, .kind = "walk"};
+  row.seconds = times.total_first();
+  row.collisions_per_second_per_core = collisions / times.total_first();
+  const int targets =
+      task.points ? task.points
+                  : (task.tally == TextbookTally::cells ? simulation->targets().grid.cells() : 0);
+  row.error = targets ? mean_target_error(*simulation, targets) : reflected_error(*simulation);
+  row.baseline = describe(which.textbook.medium);
+  row.ratio_to_baseline = times.median_ratio() * collisions / textbook_collisions;
+  row.extra = {{"walks", simulation->walks()}};
+  report(std::move(row));
+}
+
+}  // namespace
+
+void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
+  tbb::task_arena one(1);
+  for (const BenchmarkStack& stack : benchmark_stacks())
+    for (const Task& task : kTasks)
+      one.execute([&] { measure_walk(stack, task, effort, seed, report); });
+}
+
+void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
+  tbb::task_arena one(1);
+  const std::string name = "lambert_sphere_halfspace";
+  const Stack stack = load_stack(name);
+  for (const Estimator estimator : {Estimator::analog, Estimator::next_event})
+    one.execute([&] {
+      const Direction wi = benchmark_incident();
+      Simulation narrow(stack, make_plan(stack, kMaxOrder), wi, estimator, kCells, seed);
+      Simulation general(stack, general_plan(stack, kMaxOrder), wi, estimator, kCells, seed);
+      const auto advance = [](Simulation& s, std::uint64_t n) { s.advance(s.walks() + n); };
+      const std::uint64_t walks =
+          calibrate(2 * effort.repetition_seconds, [&](std::uint64_t n) { advance(narrow, n); });
+      advance(general, narrow.walks());
+      const std::uint64_t before = narrow.collisions();
+      const InterleavedTimes times = interleave(
+          effort.repetitions, [&] { advance(narrow, walks); }, [&] { advance(general, walks); });
+      // Same walks in both, so the variances of the cells compare as they are.
+      const double error = mean_target_error(narrow, narrow.targets().grid.cells());
+      const double general_error = mean_target_error(general, general.targets().grid.cells());
+      BenchmarkRow row{.what = name + "/plan/" + to_text(estimator), .kind = "walk"};
+      row.seconds = times.total_first();
+      row.collisions_per_second_per_core =
+          static_cast<double>(narrow.collisions() - before) / times.total_first();
+      row.error = error;
+      row.baseline =
+          "the same walks with the general plan: three channels, unfolded, layers and "
+          "media looked up";
+      row.ratio_to_baseline = times.median_ratio();
+      row.extra = {{"walks", narrow.walks()},
+                   {"variance_ratio", general_error * general_error / (error * error)}};
+      report(std::move(row));
+    });
+}
+
+void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
+  const std::string name = "lambert_sphere_halfspace";
+  const Stack stack = load_stack(name);
+  const int threads = tbb::this_task_arena::max_concurrency();
+  tbb::task_arena one(1);
+  Simulation single(stack, make_plan(stack, kMaxOrder), benchmark_incident(), Estimator::analog,
+                    kCells, seed);
+  Simulation parallel(stack, make_plan(stack, kMaxOrder), benchmark_incident(), Estimator::analog,
+                      kCells, seed);
+  const auto advance = [](Simulation& s, std::uint64_t n) { s.advance(s.walks() + n); };
+  const std::uint64_t walks =
+      calibrate(effort.repetition_seconds, [&](std::uint64_t n) { advance(parallel, n); });
+  const std::uint64_t before = parallel.collisions();
+  const InterleavedTimes times = interleave(
+      effort.repetitions, [&] { advance(parallel, walks); },
+      [&] { one.execute([&] { advance(single, walks); }); }, wall_seconds_of);
+  BenchmarkRow row{.what = name + "/threads", .kind = "walk"};
+  row.seconds = times.total_first();
+  row.collisions_per_second_per_core =
+      static_cast<double>(parallel.collisions() - before) / times.total_first() / threads;
+  row.error = mean_target_error(parallel, parallel.targets().grid.cells());
+  row.baseline = "the same walks with one thread";
+  row.ratio_to_baseline = times.median_ratio();
+  row.extra = {{"walks", parallel.walks()}, {"threads", threads}};
+  report(std::move(row));
+}
+
+}  // namespace lamella

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include "compare/benchmark.h"
+#include "compare/command.h"
+#include "compare/json_report.h"
+
+namespace lamella {
+namespace {
+
+std::string cell(std::optional<double> x, const char* format) {
+  return x ? fmt::format(fmt::runtime(format), *x) : "-";
+}
+
+void print_row(std::FILE* out, const BenchmarkRow& row) {
+  std::string note = row.baseline;
+  if (row.extra.contains("variance_ratio"))
+    note +=
+        fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
+  if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
+    note += note.empty() ? "extrapolated" : ", extrapolated";
+  fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", row.what,
+             cell(row.seconds, "{:.3g}"), cell(row.collisions_per_second_per_core, "{:.3g}"),
+             cell(row.ns_per_eval, "{:.1f}"), cell(row.error, "{:.1e}"),
+             cell(row.ratio_to_baseline, "{:.2f}"), note);
+  std::fflush(out);
+}
+
+}  // namespace
+
+int bench_command(const Options& options) {
+  using Json = nlohmann::ordered_json;
+  const BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
+  std::FILE* out = table_stream(options);
+  if (!options.quiet)
+    fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", "what", "seconds", "coll./s",
+               "ns/eval", "error", "ratio", "baseline (ratio above 1: faster than it)");
+  Json rows = Json::array();
+  const ReportRow report = [&](const BenchmarkRow& row) {
+    if (!options.quiet) print_row(out, row);
+    rows.push_back(to_json(row));
+  };
+  const std::function<void()> parts[] = {
+      [&] { measure_walks(effort, options.seed, report); },
+      [&] { measure_plan(effort, options.seed, report); },
+      [&] { measure_threads(effort, options.seed, report); },
+      [&] { measure_accuracy(effort, options.seed, report); },
+      [&] { measure_models(effort, report); },
+  };
+  for (const auto& part : parts)
+    if (!interrupted) part();
+  Json answer = json_header("bench", options);
+  answer["quick"] = options.quick;
+  answer["interrupted"] = interrupted.load();
+  answer["rows"] = std::move(rows);
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella

@@ -1,0 +1,121 @@
+#include "compare/benchmark.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "analytic/model.h"
+#include "phase/builtin_stacks.h"
+#include "tests/statistics/statistics.h"
+
+namespace lamella {
+namespace {
+
+constexpr std::uint64_t kWalks = 100000;
+
+double z_score(const Estimate& engine, double value, double error) {
+  return (engine.value - value) / std::hypot(engine.standard_error, error);
+}
+
+Estimate side(const Simulation& simulation, bool up) {
+  return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+    double sum = 0;
+    for (const auto& order : up ? b.energy.up : b.energy.down) sum += order[0];
+    return up ? sum : sum + b.energy.uncollided[0];
+  });
+}
+
+TEST(Benchmark, TextbookLoopsHaveTheEnginesEnergies) {
+  const double limit = testing::normal_quantile(testing::test_level());
+  for (const BenchmarkStack& which : benchmark_stacks()) {
+    const Stack stack = load_stack(which.name);
+    Simulation simulation(stack, make_plan(stack), benchmark_incident(), {}, 1);
+    simulation.advance(kWalks);
+    TextbookWalk textbook(which.textbook, benchmark_incident(), TextbookTally::none, {}, 2);
+    textbook.advance(kWalks);
+    const TextbookResult& r = textbook.result();
+    EXPECT_LT(std::abs(z_score(side(simulation, true), r.mean_reflected(), r.reflected_error())),
+              limit)
+        << which.name;
+    const double transmitted = r.transmitted / static_cast<double>(r.walks);
+    const double error = std::sqrt(transmitted / static_cast<double>(r.walks));  // weights <= 1
+    if (stack.is_open_below()) {
+      EXPECT_LT(std::abs(z_score(side(simulation, false), transmitted, error)), limit)
+          << which.name;
+    } else {
+      EXPECT_EQ(transmitted, 0) << which.name;
+    }
+  }
+}
+
+TEST(Benchmark, TextbookLoopsHaveTheEnginesNextEventValues) {
+  const double limit = testing::normal_quantile(testing::test_level());
+  const std::vector<Direction> points = benchmark_points(4);
+  for (const BenchmarkStack& which : benchmark_stacks()) {
+    const Stack stack = load_stack(which.name);
+    Simulation simulation(stack, make_plan(stack), benchmark_incident(), points, 1);
+    simulation.advance(kWalks);
+    TextbookWalk textbook(which.textbook, benchmark_incident(), TextbookTally::points, points, 2);
+    textbook.advance(kWalks);
+    const TextbookResult& r = textbook.result();
+    const double n = static_cast<double>(r.walks);
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        double sum = 0;
+        for (int o = 0; o < kTallyOrders; ++o) sum += b.f[o * points.size() + j];
+        return sum;
+      });
+      const double mean = r.f[j] / n;
+      EXPECT_LT(std::abs(z_score(e, mean, std::sqrt((r.f2[j] / n - mean * mean) / n))), limit)
+          << which.name << " point " << j;
+    }
+  }
+}
+
+TEST(Benchmark, TextbookCellsHoldWhatIsReflected) {
+  for (const BenchmarkStack& which : benchmark_stacks()) {
+    TextbookWalk textbook(which.textbook, benchmark_incident(), TextbookTally::cells, {}, 2);
+    textbook.advance(10000);
+    const TextbookResult& r = textbook.result();
+    double sum = 0;
+    for (const double f : r.f) sum += f * kPi / static_cast<double>(r.f.size());
+    EXPECT_NEAR(sum, r.reflected, 1e-9 * r.reflected) << which.name;
+  }
+}
+
+std::vector<BenchmarkRow> all_rows() {
+  const BenchmarkEffort effort = BenchmarkEffort::quick();
+  std::vector<BenchmarkRow> rows;
+  const ReportRow report = [&](BenchmarkRow row) { rows.push_back(std::move(row)); };
+  measure_walks(effort, 1, report);
+  measure_plan(effort, 1, report);
+  measure_threads(effort, 1, report);
+  measure_accuracy(effort, 1, report);
+  measure_models(effort, report);
+  return rows;
+}
+
+TEST(Benchmark, RowsHaveTheContractsKeysAndNames) {
+  std::set<std::string> names;
+  for (const BenchmarkRow& row : all_rows()) {
+    const auto json = to_json(row);
+    for (const char* key : {"what", "kind", "seconds", "collisions_per_second_per_core",
+                            "ns_per_eval", "error", "baseline", "ratio_to_baseline"})
+      EXPECT_TRUE(json.contains(key)) << row.what << ": " << key;
+    EXPECT_TRUE(json["kind"] == "walk" || json["kind"] == "closed_form") << row.what;
+    EXPECT_EQ(json["baseline"].is_null(), json["ratio_to_baseline"].is_null()) << row.what;
+    EXPECT_TRUE(json["ratio_to_baseline"].is_null() || json["ratio_to_baseline"] > 0) << row.what;
+    EXPECT_TRUE(json[row.kind == "walk" ? "seconds" : "ns_per_eval"].is_number()) << row.what;
+    EXPECT_TRUE(names.insert(row.what).second) << row.what << " twice";
+  }
+  for (const BenchmarkStack& stack : benchmark_stacks())
+    for (const char* task : {"walk", "walk+cells", "nee1", "nee16", "nee64"})
+      EXPECT_TRUE(names.contains(stack.name + "/" + task)) << stack.name << " " << task;
+  for (const ModelInfo& info : models()) {
+    EXPECT_TRUE(names.contains("eval/" + info.name)) << info.name;
+    EXPECT_TRUE(names.contains("eval_batch/" + info.name)) << info.name;
+  }
+}
+
+}  // namespace
+}  // namespace lamella
