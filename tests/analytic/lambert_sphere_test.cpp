@@ -9,6 +9,7 @@
 #include "phase/lambert_sphere.h"
 #include "phase/stack_file.h"
 #include "tests/analytic/model_checks.h"
+#include "tests/analytic/successive_orders.h"
 
 namespace lamella {
 namespace {
@@ -167,6 +168,27 @@ TEST(LambertSphereBrdf, AlbedoMapsKeepTheirStatedErrors) {
   }
   EXPECT_LT(map, 0.0020);
   EXPECT_LT(inverse, 0.0063);
+}
+
+TEST(LambertSphereBrdf, ThreeTermFormIsWithinItsStatedErrorOfTheSphere) {
+  // Against the sum over scattering orders with the sphere's own phase function, four modes.
+  const double c = 0.7;
+  std::vector<testing::SuccessiveOrders> modes;
+  for (int m = 0; m < 4; ++m) modes.emplace_back(testing::lambert_sphere_kernel(c), m, 40);
+  const auto model = make_model("lambert_sphere_three_term", {{"albedo", c}});
+  const auto& nodes = modes[0].nodes();
+  double worst = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = 0; j < nodes.size(); ++j)
+      for (const double phi : {0.0, 1.0, 2.0, kPi}) {
+        if (nodes[i] < 0.01 || nodes[j] < 0.01) continue;
+        const Direction wi = direction_from_mu_phi(nodes[i], 0);
+        const Direction wo = direction_from_mu_phi(nodes[j], phi);
+        double truth = c * lambert_sphere_single(*reflection_angles(wi, wo));
+        for (int m = 0; m < 4; ++m) truth += modes[m].sum(i, j, 2) * std::cos(m * phi);
+        worst = std::max(worst, std::abs(model->eval(wi, wo).r / truth - 1));
+      }
+  EXPECT_LT(worst, 0.002);
 }
 
 TEST(LambertSphereBrdf, AlbedoOfTheThreeTermFormsEqualsQuadrature) {

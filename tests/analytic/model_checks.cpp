@@ -72,14 +72,15 @@ void expect_sampler_follows_its_pdf(const std::string& name, const Model& model,
   for (const double theta : {0.0, 60.0, 89.0, 90.0}) {
     const Direction wo = direction_from_degrees(theta, 40);
     const auto pdf = [&](Direction wi) { return model.pdf(wi, wo); };
-    EXPECT_NEAR(integrate_sphere(pdf, {0, 0, 1}), 1, pdf_tolerance) << theta;
+    EXPECT_NEAR(integrate_sphere(pdf, Direction{0, 0, 1}), 1, pdf_tolerance) << theta;
     const auto sample = [&](RandomStream& stream) {
       const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
       const auto wi = model.sample(wo, u1, u2, u3);
       if (!wi) throw std::logic_error("a sampler without a sample");
       return *wi;
     };
-    EXPECT_GT(sampler_p_value(name, {0, 0, 1}, sample, pdf, 100000), test_level()) << theta;
+    EXPECT_GT(sampler_p_value(name, Direction{0, 0, 1}, sample, pdf, 100000), test_level())
+        << theta;
   }
 }
 

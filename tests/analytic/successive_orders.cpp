@@ -1,11 +1,33 @@
 #include "tests/analytic/successive_orders.h"
 
+#include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+
+#include "phase/lambert_sphere.h"
 
 namespace lamella::testing {
 
-SuccessiveOrders::SuccessiveOrders(const ThreeTermPhase& w, int m, int orders)
-    : scale_((m == 1 ? -1 : 1) * (m == 0 ? 1 : 2) / (4 * kPi)) {
+FourierKernel three_term_kernel(const ThreeTermPhase& w) {
+  return [w](int m, double x, double y) { return three_term_fourier(w, m, x, y); };
+}
+
+FourierKernel lambert_sphere_kernel(double albedo) {
+  return [albedo](int m, double x, double y) {
+    constexpr int kPoints = 128;
+    const double s = std::sqrt((1 - x) * (1 + x) * (1 - y) * (1 + y));
+    double sum = 0;
+    for (int k = 0; k < kPoints; ++k) {
+      const double phi = (k + 0.5) * kPi / kPoints;
+      const double cosine = std::clamp(x * y + s * std::cos(phi), -1.0, 1.0);
+      sum += lambert_sphere_phase(cosine) * std::cos(m * phi);
+    }
+    return albedo * (m == 0 ? 1 : 2) * sum / kPoints;
+  };
+}
+
+SuccessiveOrders::SuccessiveOrders(const FourierKernel& kernel, int m, int orders)
+    : scale_((m % 2 ? -1 : 1) * (m == 0 ? 1 : 2) / (4 * kPi)) {
   using Rule = boost::math::quadrature::gauss<double, 24>;
   std::vector<double> weight;
   for (std::size_t k = 0; k < Rule::abscissa().size(); ++k)
@@ -23,8 +45,8 @@ SuccessiveOrders::SuccessiveOrders(const ThreeTermPhase& w, int m, int orders)
     z[i] = z_[i];
     q[i] = weight[i];
     for (int j = 0; j < n; ++j) {
-      forward(i, j) = fold * three_term_fourier(w, m, z_[i], z_[j]);
-      back(i, j) = fold * three_term_fourier(w, m, z_[i], -z_[j]);
+      forward(i, j) = fold * kernel(m, z_[i], z_[j]);
+      back(i, j) = fold * kernel(m, z_[i], -z_[j]);
       denominator(i, j) = z_[i] + z_[j];
     }
   }
@@ -42,9 +64,9 @@ SuccessiveOrders::SuccessiveOrders(const ThreeTermPhase& w, int m, int orders)
   }
 }
 
-double SuccessiveOrders::sum(int i, int j) const {
+double SuccessiveOrders::sum(int i, int j, int first) const {
   double total = 0;
-  for (const Eigen::MatrixXd& t : t_) total += t(i, j);
+  for (std::size_t n = first - 1; n < t_.size(); ++n) total += t_[n](i, j);
   return scale_ * total;
 }
 

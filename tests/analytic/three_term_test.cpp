@@ -15,7 +15,7 @@ TEST(ThreeTerm, EqualsTheSumOverScatteringOrders) {
   const ThreeTermPhase w = lambert_sphere_phase_terms(albedo);
   const ThreeTermHalfSpace exact(w);
   for (int m = 0; m < 3; ++m) {
-    const testing::SuccessiveOrders orders(w, m, 45);
+    const testing::SuccessiveOrders orders(testing::three_term_kernel(w), m, 45);
     double worst = 0;
     const int n = static_cast<int>(orders.nodes().size());
     for (int i = 0; i < n; ++i)
