@@ -72,6 +72,14 @@ class Model {
   int lobes_;
 };
 
+/// A quantity besides the BSDF that a paper tabulates, as a function of a pair of directions.
+struct PartInfo {
+  std::string name;
+  std::string doc;  ///< which of the directions count, and the unit
+  /// From checked, complete parameters.
+  std::function<Rgb(const Parameters& parameters, Direction wi, Direction wo)> eval;
+};
+
 /// A closed form as `lamella models` knows it.
 struct ModelInfo {
   std::string name;
@@ -88,6 +96,7 @@ struct ModelInfo {
   /// The parameters with which the model claims to describe the stack, or nothing if it does not
   /// apply. May be empty: never applies unasked.
   std::function<std::optional<Parameters>(const Stack& stack)> applies_to;
+  std::vector<PartInfo> parts = {};  ///< beside lobes, pdf and albedo
 };
 
 /// Every closed form. A new one is a file pair and a line in models.cpp.

@@ -1,18 +1,43 @@
 #include <algorithm>
 
+#include "analytic/chandrasekhar.h"
+#include "analytic/eon.h"
 #include "analytic/lambert.h"
+#include "analytic/lambert_sphere.h"
+#include "analytic/lambert_sphere_three_term.h"
+#include "analytic/micrograin.h"
 #include "analytic/model.h"
+#include "analytic/oren_nayar.h"
 #include "analytic/single_scattering.h"
 #include "analytic/spongecake.h"
+#include "analytic/vmf_diffuse.h"
 
 namespace lamella {
 
 const std::vector<ModelInfo>& models() {
+  // clang-format off: one line per model
   static const std::vector<ModelInfo> list{
       lambert_model(),
+      chandrasekhar_model(),
+      lambert_sphere_model(),
+      lambert_sphere_fast_model(),
+      lambert_sphere_three_term_model(),
+      lambert_sphere_three_term_pure_model(),
+      hapke_lambert_sphere_model(),
+      vmf_diffuse_model(),
+      vmf_diffuse_printed_model(),
+      oren_nayar_full_model(),
+      oren_nayar_model(),
+      oren_nayar_footnote_model(),
+      fujii_qualitative_model(),
+      fon_model(),
+      eon_model(),
+      eon_approx_model(),
+      micrograin_model(),
       single_scattering_model(),
       spongecake_model(),
   };
+  // clang-format on
   return list;
 }
 

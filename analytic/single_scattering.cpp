@@ -31,10 +31,15 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
     areas_i[k] = sigma(stack.layers[k].medium, wi);
     areas_o[k] = sigma(stack.layers[k].medium, -wo);
   }
-  // Beyond the layer on the light's side, and on the viewer's side, tau adds up.
-  double tau_o_far = 0;  // of the layers that light leaving by transmission has yet to cross
+  // Of the layers that transmitted light has yet to cross after each step. Summed from the far
+  // side: a difference of sums would lose what is thin beside what is thick or grazing.
+  std::vector<double> tau_o_far(n, 0.0);
   if (!reflects)
-    for (int k = 0; k < n; ++k) tau_o_far += optical_depth(stack.layers[k].depth(), areas_o[k], mo);
+    for (int step = n - 1; step > 0; --step) {
+      const int k = from_above ? step : n - 1 - step;
+      tau_o_far[step - 1] =
+          tau_o_far[step] + optical_depth(stack.layers[k].depth(), areas_o[k], mo);
+    }
   double tau_i = 0, tau_o = 0;
   for (int step = 0; step < n; ++step) {
     const int k = from_above ? step : n - 1 - step;
@@ -42,8 +47,7 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
     const double depth = layer.depth();
     const double si = areas_i[k], so = areas_o[k];
     const double xi = optical_depth(depth, si, mi), xo = optical_depth(depth, so, mo);
-    tau_o_far = std::max(0.0, tau_o_far - xo);
-    const double outside = reflects ? tau_i + tau_o : tau_i + tau_o_far;
+    const double outside = tau_i + (reflects ? tau_o : tau_o_far[step]);
     if (si > 0 && depth > 0 && outside < 800) {
       // Integral over the layer's depth of exp(-tau_i - tau_o), times sigma_i / (mu_i mu_o).
       double transport = 0;
@@ -53,10 +57,10 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
         transport = x < 1 ? depth * si / (mi * mo) * mean_decay(x)
                           : si * -std::expm1(-x) / (si * mo + so * mi);
       } else {
-        transport =
-            depth * si / (mi * mo) * std::exp(-std::min(xi, xo)) * mean_decay(std::abs(xi - xo));
-        // Beyond the range of numbers only because the depth is: the thick limit.
-        if (!std::isfinite(transport)) transport = 0;
+        const double x = std::abs(xi - xo);
+        transport = std::exp(-std::min(xi, xo)) *
+                    (x < 1 ? depth * si / (mi * mo) * mean_decay(x)
+                           : si * -std::expm1(-x) / std::abs(si * mo - so * mi));
       }
       if (transport > 0) {
         const PhaseValue p = phase(layer.medium, wi, wo);

@@ -19,6 +19,9 @@ ClampedCosines::ClampedCosines(Direction wi, Direction wo, Direction axis)
       so_(length(cross(wo, axis))) {
   const Direction ti = wi - ui_ * axis, to = wo - uo_ * axis;
   gap_ = std::atan2(length(cross(ti, to)), dot(ti, to));
+  const Direction normal = cross(wi, wo);
+  const double sine = length(normal);
+  meeting_ = sine > 0 ? std::min(1.0, std::abs(dot(normal, axis)) / sine) : 0;
 }
 
 double ClampedCosines::overlap(double v) const {

@@ -55,8 +55,8 @@ Medium make_sggx(Parameters& p) {
     std::copy(given.begin(), given.end(), s.begin());
     if (!Sggx::is_positive_definite(s))
       throw ParameterError("matrix", to_text(p.at("matrix")),
-                           "six numbers [xx, yy, zz, xy, xz, yz] of a symmetric positive definite "
-                           "matrix");
+                           "six numbers [xx, yy, zz, xy, xz, yz] of a matrix that is positive "
+                           "definite beyond rounding, its diagonal in [1e-12, 1e12]");
   } else {
     if (!p.has("shape")) p.set("shape", std::string("surface"));
     const bool fiber = p.choice("shape") == "fiber";

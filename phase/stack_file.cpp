@@ -166,6 +166,12 @@ class Reader {
            fmt::format("{}: key \"density\": found 0 with an infinite thickness; allowed: a number "
                        "in (0, inf)",
                        where));
+    if (std::isfinite(thickness) && std::isinf(thickness * density))
+      fail(table.get("density")->source(),
+           fmt::format(
+               "{}: key \"density\": found {}, an optical depth beyond all numbers; allowed: "
+               "a finite product with the thickness {}",
+               where, to_text(density), to_text(thickness)));
     Parameters own;
     for (const ParameterInfo& parameter : info->parameters)
       if (all.has(parameter.name)) own.set(parameter.name, all.at(parameter.name));

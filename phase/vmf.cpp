@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <limits>
 
@@ -13,6 +12,11 @@ namespace lamella {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Below this log sigma no light ever meets a flake, and D / sigma is rounding: p is taken as 0.
+constexpr double kNothing = -1e10;
+// Flakes narrower than this show their likeliest normal only; a quadrature would meet rounding.
+constexpr double kNarrow = 1e-5;
 
 // exp(-x) I0(x), relative error below 1e-15.
 double scaled_bessel_i0(double x) {
@@ -54,41 +58,35 @@ double log_vmf_sigma(double u, double alpha) {
   const double kappa = vmf_concentration(alpha);
   if (kappa == kInfinity) return u > 0 ? std::log(u) : -kInfinity;
   if (kappa == 0) return std::log(0.25);
-  // In the frame of w, psi from w to m: sigma = normalisation times the integral over [0, pi/2] of
-  // cos(psi) sin(psi) exp(kappa (cos(theta - psi) - 1)) exp(-x) I0(x), x = kappa sin sin.
-  const double theta = std::acos(u);
+  // All terms are positive: no cancellation.
+  if (u > 0) return std::log(std::exp(log_vmf_sigma(-u, alpha)) + u * vmf_mean_cosine(kappa));
+  // In the frame of w, e the elevation of m above its horizon, a the depth of the mean normal below
+  // it: normalisation times the integral over [0, pi/2] of
+  // sin(e) cos(e) exp(kappa (cos(e + a) - 1)) exp(-x) I0(x), x = kappa cos(a) cos(e).
+  const double a = std::asin(-u);
   const double s = std::sqrt((1 - u) * (1 + u));
-  const double peak = std::min(theta, kPi / 2);
-  // cos(theta - psi) - cos(theta - peak), exact where it is small
-  const auto exponent = [&](double psi) {
-    return -2 * kappa * std::sin((2 * theta - psi - peak) / 2) * std::sin((peak - psi) / 2);
+  // kappa (cos(e + a) - cos(a)), exact where it is small
+  const auto exponent = [&](double e) {
+    return -2 * kappa * std::sin(e / 2 + a) * std::sin(e / 2);
   };
-  const auto integrand = [&](double psi) {
-    return std::cos(psi) * std::sin(psi) * std::exp(exponent(psi)) *
-           scaled_bessel_i0(kappa * s * std::sin(psi));
+  const auto integrand = [&](double e) {
+    return std::sin(e) * std::cos(e) * std::exp(exponent(e)) *
+           scaled_bessel_i0(kappa * s * std::cos(e));
   };
-  constexpr double kNegligible = -45;
-  const auto edge = [&](double limit) {
-    if (exponent(limit) > kNegligible) return limit;
-    double inside = peak, outside = limit;
-    for (int i = 0; i < 60; ++i) {
-      const double middle = (inside + outside) / 2;
-      (exponent(middle) > kNegligible ? inside : outside) = middle;
-    }
-    return outside;
-  };
+  // Where the integrand ends: at most where 0.19 kappa (e^2 / 2 + a e), a bound of the exponent,
+  // reaches 45; then by bisection.
+  const double reach = 45 / (0.19 * kappa);
+  double end = std::min(kPi / 2, 2 * reach / (a + std::sqrt(a * a + 2 * reach)));
+  for (double inside = 0; exponent(end) < -45 && end - inside > 1e-3 * end;) {
+    const double middle = (inside + end) / 2;
+    (exponent(middle) > -45 ? inside : end) = middle;
+  }
   double sum = 0;
-  const auto add = [&](double from, double to) {
-    constexpr int kPanels = 4;
-    for (int i = 0; i < kPanels; ++i) {
-      const double a = from + (to - from) * i / kPanels, b = from + (to - from) * (i + 1) / kPanels;
-      if (b > a) sum += boost::math::quadrature::gauss<double, 30>::integrate(integrand, a, b);
-    }
-  };
-  add(edge(0), peak);
-  add(peak, edge(kPi / 2));
-  const double at_peak = u >= 0 ? 0 : -kappa * u * u / (1 + s);  // kappa (sin(theta) - 1)
-  return std::log(normalisation(kappa) * sum) + at_peak;
+  constexpr int kPanels = 6;
+  for (int i = 0; i < kPanels; ++i)
+    sum += boost::math::quadrature::gauss<double, 30>::integrate(integrand, end * i / kPanels,
+                                                                 end * (i + 1) / kPanels);
+  return std::log(normalisation(kappa)) + std::log(sum) - kappa * u * u / (1 + s);
 }
 
 double vmf_sigma(double u, double alpha) {
@@ -96,8 +94,9 @@ double vmf_sigma(double u, double alpha) {
   return std::exp(log_vmf_sigma(u, alpha));
 }
 
+// An alpha so small that kappa overflows is a delta.
 Vmf::Vmf(double alpha, Direction axis)
-    : alpha_(alpha),
+    : alpha_(vmf_concentration(alpha) == kInfinity ? 0 : alpha),
       kappa_(vmf_concentration(alpha)),
       axis_(axis),
       mean_cosine_(vmf_mean_cosine(kappa_)) {
@@ -157,7 +156,7 @@ double Vmf::sigma_of_cosine(double u) const {
 
 double Vmf::density_of(Direction h) const {
   if (is_delta()) return 0;
-  return vmf_density(kappa_, dot(h, axis_) / length(h));
+  return vmf_density(kappa_, std::min(dot(h, axis_) / length(h), 1.0));
 }
 
 double Vmf::mirror_phase(Direction wi, Direction wo) const {
@@ -165,35 +164,52 @@ double Vmf::mirror_phase(Direction wi, Direction wo) const {
   const Direction h = half_vector(wi, wo);
   const double area = sigma(wi);
   if (area > 1e-20) return density_of(h) / (4 * area);
-  const double log_density =
-      std::log(normalisation(kappa_) / (2 * kPi)) + kappa_ * (dot(h, axis_) / length(h) - 1);
-  return std::exp(log_density - log_vmf_sigma(std::clamp(dot(wi, axis_), -1.0, 1.0), alpha_)) / 4;
+  const double u = std::clamp(dot(wi, axis_), -1.0, 1.0);
+  const double log_sigma = log_vmf_sigma(u, alpha_);
+  if (log_sigma < kNothing) return 0;
+  // Rounding must not lift the normal above all that face w_i.
+  const double peak = u < 0 ? -u * u / (1 + std::sqrt((1 - u) * (1 + u))) : 0;
+  const double log_density = std::log(normalisation(kappa_) / (2 * kPi)) +
+                             kappa_ * std::min(dot(h, axis_) / length(h) - 1, peak);
+  return std::exp(log_density - log_sigma) / 4;
 }
 
 double Vmf::diffuse_phase(Direction wi, Direction wo) const {
   const double ui = std::clamp(dot(wi, axis_), -1.0, 1.0);
   const double uo = std::clamp(dot(wo, axis_), -1.0, 1.0);
   if (is_delta()) return ui > 0 ? std::max(uo, 0.0) / kPi : 0;
+  if (alpha_ < kNarrow) {
+    if (ui >= 0) return std::max(uo, 0.0) / kPi;
+    const Direction edge = axis_ - ui * wi;
+    const double norm = length(edge);
+    return norm > 0 ? std::max(dot(wo, edge) / norm, 0.0) / kPi : 0;
+  }
   const ClampedCosines pair(wi, wo, axis_);
   // Only v <= top faces w_i; relative to the density there nothing underflows.
-  const double si = pair.sine_i(), so = pair.sine_o();
-  const double top = ui >= 0 ? 1 : si;
+  const double top = ui >= 0 ? 1 : pair.sine_i();
   const double log_sigma = log_vmf_sigma(ui, alpha_);
+  if (log_sigma < kNothing) return 0;
   const double scale = normalisation(kappa_) / (2 * kPi) * std::exp(kappa_ * (top - 1) - log_sigma);
-  std::vector<double> breaks{-1, top, si, -si, so, -so};
-  for (const double reach : {1.0, 4.0, 12.0, 30.0, 60.0})
-    breaks.push_back(top - reach / std::max(kappa_, 1e-300));
-  const double bottom = kappa_ > 20 ? std::max(-1.0, top - 60 / kappa_) : -1;
+  std::vector<double> breaks;
+  for (const double kink : pair.kinks()) breaks.insert(breaks.end(), {kink, -kink});
+  // Panels over which the exponential falls by no more than exp(-8); beyond exp(-45), nothing.
+  for (const double reach : {2.0, 8.0, 16.0, 24.0, 34.0})
+    if (kappa_ > 0) breaks.push_back(top - reach / kappa_);
+  const double bottom = kappa_ > 22.5 ? std::max(-1.0, top - 45 / kappa_) : -1;
   const auto integrand = [&](double v) { return std::exp(kappa_ * (v - top)) * pair.overlap(v); };
-  return scale * integrate_panels(integrand, bottom, top, breaks) / kPi;
+  // Opposite directions see nothing in common but rounding, of either sign.
+  return std::max(scale * integrate_panels(integrand, bottom, top, std::move(breaks)), 0.0) / kPi;
 }
 
 Direction Vmf::sample_normal(RandomStream& stream) const {
   if (is_delta()) return axis_;
   const double u1 = stream.uniform(), u2 = stream.uniform();
   if (kappa_ == 0) return uniform_sphere(u1, u2);
-  const double cosine = 1 + std::log(u1 + (1 - u1) * std::exp(-2 * kappa_)) / kappa_;
-  return deflect(axis_, std::max(cosine, -1.0), u2);
+  // 1 - cos, which neither narrow nor nearly uniform distributions round away
+  const double below = std::min(-std::log1p(u1 * std::expm1(-2 * kappa_)) / kappa_, 2.0);
+  const double r = std::sqrt(below * (2 - below)), phi = 2 * kPi * u2;
+  return normalized(
+      frame_around(axis_).to_world({r * std::cos(phi), r * std::sin(phi), 1 - below}));
 }
 
 Direction Vmf::visible_normal_by_null_collisions(Direction wi, RandomStream& stream) const {
@@ -209,22 +225,23 @@ Direction Vmf::visible_normal(Direction wi, RandomStream& stream) const {
   if (u < 0) {
     const double s = std::sqrt(std::max(0.0, (1 - u) * (1 + u)));
     const double acceptance = sigma_of_cosine(u) / (s * side_ - u * back_);
-    if (acceptance < 0.25) return normal_from_behind(wi, u, stream);
+    // Not a number where both underflow, straight from behind narrow flakes.
+    if (!(acceptance >= 0.25)) return normal_from_behind(wi, u, stream);
   }
   return normal_by_mixture(wi, u, stream);
 }
 
 namespace {
 
-// Cosine v in [0, 1] with density proportional to v exp(kappa v).
-double axial_cosine(double kappa, RandomStream& stream) {
+// 1 - v for a cosine v in [0, 1] with density proportional to v exp(kappa v).
+double axial_complement(double kappa, RandomStream& stream) {
   for (;;) {
     if (kappa < 2) {
       const double v = std::sqrt(stream.uniform());
-      if (stream.uniform() < std::exp(kappa * (v - 1))) return v;
+      if (stream.uniform() < std::exp(kappa * (v - 1))) return 1 - v;
     } else {
-      const double v = 1 + std::log1p(stream.uniform() * std::expm1(-kappa)) / kappa;
-      if (stream.uniform() < v) return v;
+      const double below = -std::log1p(stream.uniform() * std::expm1(-kappa)) / kappa;
+      if (stream.uniform() < 1 - below) return below;
     }
   }
 }
@@ -242,38 +259,43 @@ double decaying_cosine(double rate, RandomStream& stream) {
   }
 }
 
-// Cosine v in [-1, 1] with density proportional to sqrt(1 - v^2) exp(kappa v).
-double tangential_cosine(double kappa, RandomStream& stream) {
+// 1 - v for a cosine v in [-1, 1] with density proportional to sqrt(1 - v^2) exp(kappa v). The
+// complement, as v itself rounds to 1 for very narrow flakes.
+double tangential_complement(double kappa, RandomStream& stream) {
   for (;;) {
     if (kappa < 1) {
       const double r = std::sqrt(stream.uniform());
       const double v = r * std::cos(2 * kPi * stream.uniform());
-      if (stream.uniform() < std::exp(kappa * (v - 1))) return v;
+      if (stream.uniform() < std::exp(kappa * (v - 1))) return 1 - v;
     } else {
       const double c = std::cos(2 * kPi * stream.uniform());
       const double y = stream.exponential() * c * c + stream.exponential();  // Gamma(3/2)
       if (y >= 2 * kappa) continue;
       const double u = stream.uniform();
-      if (u * u < 1 - y / (2 * kappa)) return 1 - y / kappa;
+      if (u * u < 1 - y / (2 * kappa)) return y / kappa;
     }
   }
 }
 
 // Angle with density proportional to exp(kappa cos); Best and Fisher 1979, "Efficient simulation of
-// the von Mises distribution".
+// the von Mises distribution", in the differences 1 - rho, r - 1, r - f and 1 - f so that it holds
+// for any kappa.
 double von_mises_angle(double kappa, RandomStream& stream) {
   if (kappa < 1e-8) return 2 * kPi * stream.uniform();
-  const double tau = 1 + std::sqrt(1 + 4 * kappa * kappa);
-  // (tau - sqrt(2 tau)) / (2 kappa), without cancellation at small kappa
-  const double rho = tau * (tau - 2) / ((tau + std::sqrt(2 * tau)) * 2 * kappa);
-  const double r = (1 + rho * rho) / (2 * rho);
+  const double root = std::hypot(1, 2 * kappa), tau = 1 + root;
+  // rho = (tau - sqrt(2 tau)) / (2 kappa)
+  const double gap = kappa > 1 ? (std::sqrt(2 * tau) - 1 - 1 / (2 * kappa + root)) / (2 * kappa)
+                               : 1 - tau * (tau - 2) / ((tau + std::sqrt(2 * tau)) * 2 * kappa);
+  const double excess = gap * gap / (2 * (1 - gap));  // r - 1, r = (1 + rho^2) / (2 rho)
   for (;;) {
-    const double z = std::cos(kPi * stream.uniform());
-    const double f = (1 + r * z) / (r + z);
-    const double c = kappa * (r - f);
+    const double half = kPi / 2 * stream.uniform();
+    const double above = 2 * std::cos(half) * std::cos(half);           // 1 + z
+    const double below = 2 * std::sin(half) * std::sin(half);           // 1 - z
+    const double c = kappa * excess * (excess + 2) / (excess + above);  // kappa (r - f)
     const double u = stream.uniform();
     if (c * (2 - c) > u || std::log(c / u) + 1 >= c) {
-      const double angle = std::acos(std::clamp(f, -1.0, 1.0));
+      const double fall = excess * below / (excess + above);  // 1 - f, f = (1 + r z) / (r + z)
+      const double angle = 2 * std::asin(std::sqrt(std::min(fall / 2, 1.0)));
       return stream.uniform() < 0.5 ? angle : -angle;
     }
   }
@@ -307,13 +329,14 @@ Direction Vmf::normal_by_mixture(Direction wi, double u, RandomStream& stream) c
   for (;;) {
     Direction m;  // in the frame (tangent, binormal, axis)
     if (stream.uniform() * (axial + tangential) < axial) {
-      const double v = u < 0 ? -decaying_cosine(kappa_, stream) : axial_cosine(kappa_, stream);
-      const double r = std::sqrt((1 - v) * (1 + v));
+      const double below =
+          u < 0 ? 1 + decaying_cosine(kappa_, stream) : axial_complement(kappa_, stream);
+      const double r = std::sqrt(below * (2 - below)), v = 1 - below;
       const double phi = 2 * kPi * stream.uniform();
       m = {r * std::cos(phi), r * std::sin(phi), v};
     } else {
-      const double v = tangential_cosine(kappa_, stream);
-      const double r = std::sqrt((1 - v) * (1 + v));
+      const double below = tangential_complement(kappa_, stream);
+      const double r = std::sqrt(below * (2 - below)), v = 1 - below;
       const double sin_phi = 2 * stream.uniform() - 1;
       m = {r * std::sqrt((1 - sin_phi) * (1 + sin_phi)), r * sin_phi, v};
     }

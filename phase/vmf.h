@@ -22,8 +22,8 @@ namespace lamella {
 
 /// Natural logarithm of the projected area sigma(u) = integral of D(m) <w, m> dm, u = w.n in
 /// [-1, 1], for any alpha in [0, infinity]; -infinity where sigma is 0 (alpha = 0, u <= 0).
-/// Equivalent to VMF Diffuse eq. 3; composite Gauss-Legendre quadrature in the frame of w.
-/// Absolute error below 1e-11 max(1, |log sigma| 1e-4).
+/// Equivalent to VMF Diffuse eq. 3; composite Gauss-Legendre quadrature in the frame of w, front
+/// and back tied by vmf_mean_cosine. Absolute error below 1e-11 max(1, |log sigma| 1e-4).
 [[nodiscard]] double log_vmf_sigma(double u, double alpha);
 
 /// The projected area itself: relative error below 1e-10 wherever it exceeds 1e-300.
@@ -53,10 +53,12 @@ class Vmf {
   /// A normal from D itself.
   [[nodiscard]] Direction sample_normal(RandomStream& stream) const;
 
-  /// D(h) / (4 sigma(w_i)), in log space where both underflow.
+  /// D(h) / (4 sigma(w_i)), in log space where both underflow; 0 where sigma < exp(-1e10).
   [[nodiscard]] double mirror_phase(Direction wi, Direction wo) const;
   /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): adaptive quadrature over the cosine
-  /// with the mean normal, the azimuth in closed form. Relative error below 1e-8.
+  /// with the mean normal, the azimuth in closed form. Relative error below 1e-8 + 1e-15 kappa, as
+  /// cosines near 1 round; for alpha < 1e-5 the cosine with the likeliest visible normal instead,
+  /// absolute error of the order of alpha wherever sigma > 0.
   [[nodiscard]] double diffuse_phase(Direction wi, Direction wo) const;
   /// alpha = 0: every normal is the mean normal.
   [[nodiscard]] bool is_delta() const { return alpha_ == 0; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -25,15 +26,43 @@ inline constexpr int kStatisticalTests = 4000;
 [[nodiscard]] double chi_square_p_value(const std::vector<double>& observed,
                                         const std::vector<double>& expected);
 
-/// Draws `samples` directions and compares their counts in cells of the sphere (equal steps in mu
-/// and phi about `axis`) with the integral of the density over each cell. Returns the p-value; on
-/// failure (p below test_level()) writes the table of cells to stderr under `name`.
+/// Cells of the sphere about an axis, in two coordinates in [0, 1]: one for the angle with the
+/// axis, half of it within about `width` radians, so that a narrow lobe along the axis fills many
+/// cells (infinite: equal steps in mu); one for the azimuth, half of it within `azimuth_width` of
+/// the plane through `towards` (1: equal steps).
+struct SphereCells {
+  Direction axis;
+  double width = std::numeric_limits<double>::infinity();
+  Direction towards = frame_around(axis).s;
+  double azimuth_width = 1;
+  int rows = 12, columns = 12;
+  /// A few points per cell instead of adaptive quadrature: for costly densities that are smooth.
+  bool smooth = false;
+};
+
+/// Draws `samples` directions and compares their counts in the cells with the integral of the
+/// density over each cell. Returns the p-value; on failure (p below test_level()) writes the table
+/// of cells to stderr under `name`.
+[[nodiscard]] double sampler_p_value(const std::string& name, const SphereCells& cells,
+                                     const std::function<Direction(RandomStream&)>& sample,
+                                     const std::function<double(Direction)>& density,
+                                     int samples = 200000, std::uint64_t seed = 1);
+
+/// The same over 12 x 12 cells of equal steps in mu and phi about `axis`.
 [[nodiscard]] double sampler_p_value(const std::string& name, Direction axis,
                                      const std::function<Direction(RandomStream&)>& sample,
                                      const std::function<double(Direction)>& density,
                                      int samples = 200000, std::uint64_t seed = 1);
 
-/// Integral of a density over the sphere by adaptive quadrature in mu and phi about `axis`.
+/// Two-sided p-value of a sample mean against its expectation, by the normal limit.
+[[nodiscard]] double mean_p_value(const std::vector<double>& values, double expectation);
+
+/// Integral of a density over the sphere by quadrature in the coordinates of the cells: adaptive,
+/// or Gauss rules in each cell where they are smooth.
+[[nodiscard]] double integrate_sphere(const std::function<double(Direction)>& density,
+                                      const SphereCells& cells, double tolerance = 1e-8);
+
+/// The same about `axis`, adaptive, without any narrow lobe.
 [[nodiscard]] double integrate_sphere(const std::function<double(Direction)>& density,
                                       Direction axis, double tolerance = 1e-8);
 

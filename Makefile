@@ -1,0 +1,65 @@
+# Lamella on Debian 12: `make demo`, `make test`. See README.md.
+
+BUILD_PACKAGES := g++ cmake ninja-build pkg-config libboost-dev libtbb-dev libopenexr-dev \
+  libeigen3-dev librandom123-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
+  libgd-dev
+TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jsonschema \
+  clang libclang-rt-14-dev
+FORMAT_PACKAGES := clang-format clang-tidy
+
+CCACHE := $(shell command -v ccache 2>/dev/null)
+LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE))
+
+.PHONY: demo test bench asan soak format tidy install-build-packages install-test-packages \
+  install-format-packages release clean
+
+demo: release
+	./build/release/lamella compare spongecake_two_layer -o lamella-demo
+
+test: install-test-packages release
+	ctest --preset release
+	cmake --preset asan $(LAUNCHER)
+	cmake --build build/asan --target lamella test_phase stack_fuzz
+	ctest --test-dir build/asan --output-on-failure -j2 -L quick
+
+bench: release
+	./build/release/lamella bench
+
+asan: install-test-packages
+	cmake --preset asan $(LAUNCHER)
+	cmake --build --preset asan
+	ctest --preset asan
+
+# Longer than continuous integration can wait for: more walks, finer tests.
+soak: install-test-packages release
+	LAMELLA_SOAK=1 ctest --preset release
+
+release: install-build-packages
+	cmake --preset release $(LAUNCHER) -DLAMELLA_TESTS=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF)
+	cmake --build --preset release
+
+format: install-format-packages
+	git ls-files '*.cpp' '*.h' | xargs clang-format -i
+
+tidy: install-format-packages release
+	git ls-files '*.cpp' | grep -v '^tests/' | xargs clang-tidy --quiet -p build/release
+
+install-build-packages: NEEDED := $(BUILD_PACKAGES)
+install-test-packages: NEEDED := $(TEST_PACKAGES)
+install-format-packages: NEEDED := $(FORMAT_PACKAGES)
+
+# Installs what is missing; where that takes rights that are not there, prints the line to run.
+install-build-packages install-test-packages install-format-packages:
+	@missing=""; \
+	for p in $(NEEDED); do \
+	  dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || missing="$$missing $$p"; \
+	done; \
+	[ -z "$$missing" ] && exit 0; \
+	if [ "$$(id -u)" = 0 ]; then as=""; \
+	elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then as="sudo"; \
+	else echo "Packages are missing. Run:  sudo apt-get install -y$$missing"; exit 1; fi; \
+	$$as apt-get update && \
+	$$as env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $$missing
+
+clean:
+	rm -rf build
