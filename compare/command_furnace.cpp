@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "compare/command.h"
 #include "compare/furnace.h"
 #include "compare/json_report.h"
@@ -128,8 +130,10 @@ int furnace_command(const Options& options) {
                    run.uncollided[c].value, run.absorbed[c].value, run.unresolved[c].value,
                    c == 0 ? verdict : "");
     // A one-sided slab has a second furnace: radiance under uniform light from both sides.
+    const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
+                                      [](const Layer& l) { return is_delta(l.medium); });
     if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
-        !interrupted) {
+        !specular && !interrupted) {
       const RadianceCheck check = check_radiance(stack, make_plan(stack, options.max_order), wi,
                                                  run.walks, options.seed, &interrupted);
       entry["radiance"] = {{"measured", check.measured},
@@ -152,9 +156,11 @@ int furnace_command(const Options& options) {
   if (!options.quiet) {
     fmt::print(out, "{}\n", overall);
     if (overall == "inconclusive")
-      fmt::print(out,
-                 "walks cut after {} events hold more light than the noise (see --max-order)\n",
-                 options.max_order);
+      fmt::print(
+          out,
+          "walks cut after {} events hold more light than the noise (--max-order), or too few "
+          "walks hit what scatters sharply (--walks, --estimator analog)\n",
+          options.max_order);
   }
   write_json(answer, options);
   return status_of(overall, options);

@@ -68,6 +68,11 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model, const
   const std::vector<double> patched_model = grouped_values(model, patch, patch_count);
   // Patches that are seen too rarely are pooled like cells are.
   const auto tests = [&](const BatchSums& s, const std::vector<double>& expected, bool hotelling) {
+    const auto uncertainty = [](const std::vector<double>& values) {
+      std::vector<double> out;
+      for (const double v : values) out.push_back(kProjectionTolerance * std::abs(v));
+      return out;
+    };
     const std::vector<int> group = pooled_groups(s, kPooledEvents);
     const int groups = group.empty() ? 0 : 1 + *std::max_element(group.begin(), group.end());
     if (groups == 0) {
@@ -79,13 +84,14 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model, const
       if (mean.value[0] == 0)
         return std::exp(-std::max(0.0, total[0]) * grid.projected_solid_angle() *
                         std::accumulate(s.walks.begin(), s.walks.end(), 0.0) / channels);
-      return largest_deviation_p_value(mean, total, s.batches(), kProjectionError);
+      return largest_deviation_p_value(mean, total, uncertainty(total), s.batches());
     }
     const BatchSums pooled = grouped(s, group, groups);
     const std::vector<double> pooled_expected = grouped_values(expected, group, groups);
-    return hotelling ? hotelling_p_value(pooled, pooled_expected, kProjectionError)
-                     : largest_deviation_p_value(means_of(pooled), pooled_expected, s.batches(),
-                                                 kProjectionError);
+    const std::vector<double> known_to = uncertainty(pooled_expected);
+    return hotelling ? hotelling_p_value(pooled, pooled_expected, known_to)
+                     : largest_deviation_p_value(means_of(pooled), pooled_expected, known_to,
+                                                 s.batches());
   };
   const double fewest = *std::min_element(sums.walks.begin(), sums.walks.end());
   const double broad = tests(patched, patched_model, fewest >= kWalksPerBatch);

@@ -10,6 +10,9 @@
 namespace lamella {
 namespace {
 
+// (mean / standard error)^2 below which a mean over batches is too skew to be judged.
+constexpr double kFewestEvents = 100;
+
 double t_quantile(double level) {
   return boost::math::quantile(complement(boost::math::students_t(kBatches - 1.0), level / 2));
 }
@@ -52,10 +55,14 @@ FurnaceRun judge_furnace(const Simulation& simulation, bool white, double level)
       return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] - static_cast<double>(b.walks);
     });
     const double noise = t * defect.standard_error + 1e-12;
+    // A sharp lobe that few walks hit: so few events that their mean is far from normal.
+    const double error = furnace.energy[c].standard_error;
+    const bool too_few =
+        furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
     FurnaceVerdict verdict = FurnaceVerdict::pass;
-    if (std::abs(defect.value) > noise || (white && run.absorbed[c].value > 1e-12))
+    if ((std::abs(defect.value) > noise && !too_few) || (white && run.absorbed[c].value > 1e-12))
       verdict = FurnaceVerdict::fail;
-    else if (unresolved > noise)
+    else if (unresolved > noise || too_few)
       verdict = FurnaceVerdict::inconclusive;
     if (verdict == FurnaceVerdict::fail || furnace.verdict == FurnaceVerdict::pass)
       furnace.verdict = verdict;

@@ -23,8 +23,9 @@ struct FurnaceRun {
 
 /// A furnace judged: the energy that leaves must be 1 (with absorption kept: 1 less what the ledger
 /// says is absorbed) within the noise. What the order limit cut is missing: if it is more than the
-/// noise and the energy is short by no more than it, nothing can be said. `level`: the probability
-/// with which a true furnace may fail by chance.
+/// noise and the energy is short by no more than it, nothing can be said; nor where the estimator
+/// saw fewer than some 100 effective events (sharp lobes that few walks hit). `level`: the
+/// probability with which a true furnace may fail by chance.
 [[nodiscard]] FurnaceRun judge_furnace(const Simulation& simulation, bool white, double level);
 
 /// A one-sided stack's second furnace: the radiance seen along w under uniform light of radiance 1
@@ -37,8 +38,8 @@ struct RadianceCheck {
 
 /// Measures that radiance by light from Gauss-Legendre directions over both hemispheres, and
 /// predicts it from the total transmittance of light entering along w reversed. For stacks that are
-/// open below, symmetric about z and white. `walks` in all; `interrupted`, once set, ends each part
-/// early.
+/// open below, symmetric about z and white, without delta flakes. `walks` in all; `interrupted`,
+/// once set, ends each part early.
 [[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
                                            std::uint64_t walks, std::uint64_t seed,
                                            const std::atomic<bool>* interrupted = nullptr);

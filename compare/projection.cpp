@@ -76,7 +76,7 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   for (std::size_t o = 0; o < a.size(); ++o)
     for (int c = 0; c < 3; ++c) {
       const double allowed =
-          kProjectionError * std::max(std::abs(b[o][c]), kAbsoluteShare * scale[o][c]);
+          kProjectionTolerance * std::max(std::abs(b[o][c]), kAbsoluteShare * scale[o][c]);
       if (std::abs(a[o][c] - b[o][c]) > allowed) return false;
     }
   return true;

@@ -66,7 +66,7 @@ std::vector<int> pooled_groups(const BatchSums& sums, double events) {
 }
 
 double hotelling_p_value(const BatchSums& sums, const std::vector<double>& expected,
-                         double tolerance) {
+                         const std::vector<double>& uncertainty) {
   const int n = sums.batches(), quantities = sums.quantities();
   if (quantities == 0) return 1;
   const double walks = std::accumulate(sums.walks.begin(), sums.walks.end(), 0.0);
@@ -75,18 +75,17 @@ double hotelling_p_value(const BatchSums& sums, const std::vector<double>& expec
   // eigenvalues against 1.
   Eigen::MatrixXd scaled(n, quantities);
   Eigen::VectorXd difference(quantities);
+  Eigen::MatrixXd given = Eigen::MatrixXd::Zero(quantities, quantities);
   for (int k = 0; k < quantities; ++k) {
-    const double scale = means.standard_error[k] > 0 ? 1 / means.standard_error[k] : 0;
+    const double error = std::hypot(means.standard_error[k], uncertainty[k]);
+    const double scale = error > 0 ? 1 / error : 0;
+    given(k, k) = scale * uncertainty[k] * scale * uncertainty[k];
     for (int b = 0; b < n; ++b)
       scaled(b, k) = scale * (sums.sums[b][k] - means.value[k] * sums.walks[b]);
     difference(k) = scale * (means.value[k] - expected[k]);
   }
-  Eigen::MatrixXd covariance = scaled.transpose() * scaled * (n / (n - 1.0) / (walks * walks));
-  for (int k = 0; k < quantities; ++k)
-    if (means.standard_error[k] > 0) {
-      const double error = tolerance * expected[k] / means.standard_error[k];
-      covariance(k, k) += error * error;
-    }
+  const Eigen::MatrixXd covariance =
+      scaled.transpose() * scaled * (n / (n - 1.0) / (walks * walks)) + given;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
   double t2 = 0;
   int rank = 0;
@@ -103,13 +102,13 @@ double hotelling_p_value(const BatchSums& sums, const std::vector<double>& expec
 }
 
 double largest_deviation_p_value(const Means& means, const std::vector<double>& expected,
-                                 int batches, double tolerance) {
+                                 const std::vector<double>& uncertainty, int batches) {
   double largest = 0;
   for (std::size_t k = 0; k < expected.size(); ++k) {
-    const double difference =
-        std::max(0.0, std::abs(means.value[k] - expected[k]) - tolerance * std::abs(expected[k]));
-    if (means.standard_error[k] > 0)
-      largest = std::max(largest, difference / means.standard_error[k]);
+    const double difference = std::abs(means.value[k] - expected[k]);
+    const double error = std::hypot(means.standard_error[k], uncertainty[k]);
+    if (error > 0)
+      largest = std::max(largest, difference / error);
     else if (difference > 1e-12 * std::abs(expected[k]))
       return 0;
   }

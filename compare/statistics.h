@@ -31,20 +31,20 @@ struct Means {
 /// together are too few.
 [[nodiscard]] std::vector<int> pooled_groups(const BatchSums& sums, double events);
 
-/// Hotelling's test of the means against given values: uses the covariance over batches, so that
-/// quantities may be correlated in any way. Directions in which the batches do not vary at all are
-/// left out. Returns a p-value; 1 if nothing varies. `tolerance`: relative error of the given
-/// values themselves, taken for one more standard error. It matters where the estimates of
-/// neighbours are almost copies of each other: their contrasts have hardly any noise to hide it.
+/// Hotelling's test of the means against given values, known to +-uncertainty each: uses the
+/// covariance over batches, so that quantities may be correlated in any way, with the squared
+/// uncertainties added (next-event estimates of neighbours share nearly all of their noise, and
+/// their differences are known far better than the values). Directions in which nothing varies are
+/// left out. Returns a p-value; 1 if nothing varies.
 [[nodiscard]] double hotelling_p_value(const BatchSums& sums, const std::vector<double>& expected,
-                                       double tolerance = 0);
+                                       const std::vector<double>& uncertainty);
 
-/// p-value of the largest |difference| / standard error over the quantities, by Student's t with
-/// Bonferroni's bound, which holds under any correlation. A quantity without scatter counts as
-/// infinitely far off if it differs at all (beyond rounding), else as exact. `tolerance`: relative
-/// error of the given values.
+/// p-value of the largest |difference| over the quantities in units of its error (standard error
+/// and uncertainty of the given value together), by Student's t with Bonferroni's bound, which
+/// holds under any correlation. A quantity without any error counts as infinitely far off if it
+/// differs at all (beyond rounding), else as exact.
 [[nodiscard]] double largest_deviation_p_value(const Means& means,
-                                               const std::vector<double>& expected, int batches,
-                                               double tolerance = 0);
+                                               const std::vector<double>& expected,
+                                               const std::vector<double>& uncertainty, int batches);
 
 }  // namespace lamella

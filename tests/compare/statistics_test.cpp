@@ -37,6 +37,9 @@ BatchSums correlated_sums(int batches, int quantities, double common, std::uint6
   return out;
 }
 
+// The uncertainty of values that are known exactly.
+std::vector<double> exact(int quantities) { return std::vector<double>(quantities); }
+
 // p-values of all replications.
 std::vector<double> p_values(const std::function<double(std::uint64_t)>& p_value) {
   std::vector<double> all;
@@ -129,7 +132,8 @@ TEST(Pooling, LeavesOutEverythingWhereTooLittleWasSeen) {
 TEST(Hotelling, IsUniformForATrueModelWhateverTheCorrelation) {
   for (const double common : {0.0, 0.5, 0.99}) {
     const auto p = p_values([&](std::uint64_t r) {
-      return hotelling_p_value(correlated_sums(128, 16, common, r), std::vector<double>(16, 1.0));
+      return hotelling_p_value(correlated_sums(128, 16, common, r), std::vector<double>(16, 1.0),
+                               exact(16));
     });
     EXPECT_GT(uniformity(p), testing::test_level()) << common;
   }
@@ -142,7 +146,7 @@ TEST(Hotelling, IsUniformWhereQuantitiesAreCopiesOfEachOther) {
       row.push_back(row[0]);
       row.push_back(row[1] + row[2]);
     }
-    return hotelling_p_value(sums, {1, 1, 1, 1, 1, 1, 1, 2});
+    return hotelling_p_value(sums, {1, 1, 1, 1, 1, 1, 1, 2}, exact(8));
   });
   EXPECT_GT(uniformity(p), testing::test_level());
 }
@@ -151,8 +155,8 @@ TEST(Hotelling, FindsADifferenceOfTwoStandardErrorsInEveryQuantity) {
   // Independent quantities: noncentrality 16 * 4; at level 0.01 that is missed in 1 of 1e4.
   const double error = 1 / std::sqrt(128 * 100.5);
   const auto p = p_values([&](std::uint64_t r) {
-    return hotelling_p_value(correlated_sums(128, 16, 0, r),
-                             std::vector<double>(16, 1 + 2 * error));
+    return hotelling_p_value(correlated_sums(128, 16, 0, r), std::vector<double>(16, 1 + 2 * error),
+                             exact(16));
   });
   EXPECT_GT(below(p, 0.01), 0.99 * kReplications);
 }
@@ -164,22 +168,37 @@ TEST(Hotelling, SeesThroughCommonNoise) {
   std::vector<double> expected(16, 1.0);
   for (int k = 0; k < 16; ++k) expected[k] += (k < 8 ? 0.2 : -0.2) * error;
   const auto p = p_values([&](std::uint64_t r) {
-    return hotelling_p_value(correlated_sums(128, 16, 0.99, r), expected);
+    return hotelling_p_value(correlated_sums(128, 16, 0.99, r), expected, exact(16));
   });
   EXPECT_GT(below(p, 0.01), 0.99 * kReplications);
 }
 
 TEST(Hotelling, SaysNothingWhereNothingVaries) {
   const BatchSums sums{{1, 1, 1}, {{1, 2}, {1, 2}, {1, 2}}};
-  EXPECT_EQ(hotelling_p_value(sums, {1, 2}), 1);
-  EXPECT_EQ(hotelling_p_value({{1, 1}, {{}, {}}}, {}), 1);
+  EXPECT_EQ(hotelling_p_value(sums, {1, 2}, exact(2)), 1);
+  EXPECT_EQ(hotelling_p_value({{1, 1}, {{}, {}}}, {}, {}), 1);
+}
+
+TEST(Hotelling, HoldsNothingAgainstAModelWithinItsUncertainty) {
+  // Contrasts between copies of each other have a thousandth of the noise.
+  const double error = 1 / std::sqrt(128 * 100.5);
+  std::vector<double> expected(16, 1.0);
+  for (int k = 0; k < 16; ++k) expected[k] += (k % 2 ? 0.1 : -0.1) * error;
+  const std::vector<double> uncertainty(16, 0.1 * error);
+  const auto test = [&](const std::vector<double>& known_to) {
+    return p_values([&](std::uint64_t r) {
+      return hotelling_p_value(correlated_sums(128, 16, 1 - 1e-6, r), expected, known_to);
+    });
+  };
+  EXPECT_EQ(below(test(exact(16)), 0.01), kReplications);
+  EXPECT_LE(below(test(uncertainty), 0.05), most_refusals(kReplications, 0.05));
 }
 
 TEST(LargestDeviation, RefusesATrueModelNoMoreOftenThanItSays) {
   for (const double common : {0.0, 0.5, 0.99}) {
     const auto p = p_values([&](std::uint64_t r) {
       return largest_deviation_p_value(means_of(correlated_sums(128, 32, common, r)),
-                                       std::vector<double>(32, 1.0), 128);
+                                       std::vector<double>(32, 1.0), exact(32), 128);
     });
     for (const double level : {0.2, 0.05, 0.01, 0.001})
       EXPECT_LE(below(p, level), most_refusals(p.size(), level)) << common << ' ' << level;
@@ -195,17 +214,18 @@ TEST(LargestDeviation, FindsOneQuantityAmongMany) {
   std::vector<double> expected(32, 1.0);
   expected[13] += 7 * error;
   const auto p = p_values([&](std::uint64_t r) {
-    return largest_deviation_p_value(means_of(correlated_sums(128, 32, 0.5, r)), expected, 128);
+    return largest_deviation_p_value(means_of(correlated_sums(128, 32, 0.5, r)), expected,
+                                     exact(32), 128);
   });
   EXPECT_GT(below(p, 0.01), 0.99 * kReplications);
 }
 
 TEST(LargestDeviation, TakesAQuantityWithoutScatterAsExact) {
-  const Means exact{{0.25, 0}, {0, 0}};
-  EXPECT_EQ(largest_deviation_p_value(exact, {0.25, 0}, 128), 1);
-  EXPECT_EQ(largest_deviation_p_value(exact, {0.25 * (1 + 1e-15), 0}, 128), 1);
-  EXPECT_EQ(largest_deviation_p_value(exact, {0.26, 0}, 128), 0);
-  EXPECT_EQ(largest_deviation_p_value(exact, {0.25, 1e-9}, 128), 0);
+  const Means means{{0.25, 0}, {0, 0}};
+  EXPECT_EQ(largest_deviation_p_value(means, {0.25, 0}, exact(2), 128), 1);
+  EXPECT_EQ(largest_deviation_p_value(means, {0.25 * (1 + 1e-15), 0}, exact(2), 128), 1);
+  EXPECT_EQ(largest_deviation_p_value(means, {0.26, 0}, exact(2), 128), 0);
+  EXPECT_EQ(largest_deviation_p_value(means, {0.25, 1e-9}, exact(2), 128), 0);
 }
 
 }  // namespace

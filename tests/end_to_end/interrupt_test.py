@@ -6,8 +6,8 @@ class CtrlCKeepsWhatIsThere(ProgramTest):
     LIMIT = 10
 
     def test_simulate(self):
-        answer, seconds = self.interrupted("simulate", "sggx_slab", "--walks", "1e12", "--json", "-",
-                                           "-o", "lobes.exr")
+        answer, seconds = self.interrupted("simulate", "sggx_slab", "--walks", "1e12", "--json",
+                                           "-", "-o", "lobes.exr")
         self.assertEqual(answer.status, 0, str(answer))
         self.assertLess(seconds, self.LIMIT)
         parsed = answer.json()
