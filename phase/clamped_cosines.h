@@ -44,7 +44,7 @@ template <class F>
     const double start = breaks[i], width = breaks[i + 1] - breaks[i];
     if (!(width > 0)) continue;
     sum += width *
-           boost::math::quadrature::gauss<double, 20>::integrate(
+           boost::math::quadrature::gauss<double, 30>::integrate(
                [&](double t) { return 6 * t * (1 - t) * f(start + width * t * t * (3 - 2 * t)); },
                0.0, 1.0);
   }

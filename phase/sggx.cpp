@@ -112,7 +112,9 @@ double Sggx::diffuse_phase_about_axis(Direction wi, Direction wo) const {
     const double c = ratio < 1 ? step * ratio : 1 - step / (ratio * ratio);
     if (c > 0 && c < 1) breaks.insert(breaks.end(), {c, -c});
   }
-  return integrate_panels(integrand, -1.0, 1.0, std::move(breaks)) / (kPi * kPi * sigma(wi));
+  // Opposite directions see nothing in common but rounding, of either sign.
+  return std::max(integrate_panels(integrand, -1.0, 1.0, std::move(breaks)), 0.0) /
+         (kPi * kPi * sigma(wi));
 }
 
 double Sggx::diffuse_phase_over_lune(Direction wi, Direction wo) const {

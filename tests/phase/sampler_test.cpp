@@ -7,18 +7,8 @@ namespace {
 
 class EveryMedium : public ::testing::TestWithParam<MediumCase> {};
 
-// One quadrature of a narrow SGGX lune takes milliseconds, a cell nine: those media are tested by
-// the means of their events below, and their normals in sggx_test.cpp.
-bool too_costly(const MediumCase& c) {
-  const auto* sggx = std::get_if<LambertFlakes<Sggx>>(&c.medium);
-  const auto* vmf = std::get_if<LambertFlakes<Vmf>>(&c.medium);
-  return (sggx && c.name.find(" 0.0") != std::string::npos) ||
-         (vmf && !vmf->is_delta() && vmf->ndf.alpha() < 0.1);
-}
-
 TEST_P(EveryMedium, SamplesFollowThePhaseFunction) {
   const MediumCase& c = GetParam();
-  if (too_costly(c)) GTEST_SKIP() << "see EventsAverageToThePhaseFunction";
   for (const Direction wi : incident_directions()) {
     if (!scatters(c, wi)) continue;
     const auto sample = [&](RandomStream& stream) {
@@ -53,7 +43,6 @@ TEST_P(EveryMedium, EventsAverageToThePhaseFunction) {
 
 TEST_P(EveryMedium, SampledSchlickWeightIsThatOfThePair) {
   const MediumCase& c = GetParam();
-  if (c.costly) GTEST_SKIP() << "Lambertian flakes have no Fresnel factor";
   RandomStream stream(5, 0, StreamPurpose::test);
   for (const Direction wi : incident_directions()) {
     if (!scatters(c, wi)) continue;
