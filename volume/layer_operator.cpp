@@ -17,7 +17,7 @@ using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
 // Optical depth, along the steepest node, of the layer that doubling starts from.
-constexpr double kThinStart = 1.0 / 64;
+constexpr double kThinStart = 1.0 / 256;
 
 // Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance, by
 // elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
@@ -161,14 +161,14 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
     steepest = std::max(steepest, area.head(n).cwiseQuotient(rules.sets.in.head(n)).maxCoeff());
   const bool infinite = std::isinf(depth);
   double thickness = infinite ? kThinStart / steepest : depth;
-  int doublings = infinite ? 2000 : 0;
+  int doublings = infinite ? 200 : 0;
   if (!infinite && thickness * steepest > kThinStart) {
     doublings = static_cast<int>(std::ceil(std::log2(thickness * steepest / kThinStart)));
     thickness = std::ldexp(depth, -doublings);
   }
   LayerOperator layer = thin_layer(scattering, thickness, rules);
   for (int k = 0; k < doublings; ++k) {
-    const MatrixXd before = infinite ? layer.above.r[0] : MatrixXd();
+    const MatrixXd before = layer.above.r[0].topLeftCorner(n, n);
     const OperatorSide& below = scattering.two_sided ? layer.above : layer.below;
     OperatorSide above = one_side(layer.above, below, layer.above, rules);
     if (!scattering.two_sided) layer.below = one_side(layer.below, layer.above, layer.below, rules);
@@ -176,9 +176,11 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
     thickness *= 2;
     set_direct(layer, scattering, thickness, rules.sets);
     if (!infinite) continue;
-    const double change = (layer.above.r[0] - before).cwiseAbs().maxCoeff();
+    // At albedo 1 what is missing falls like 1 / thickness only.
+    const double change =
+        (layer.above.r[0].topLeftCorner(n, n) - before).cwiseAbs().maxCoeff();
     const bool opaque = layer.above.direct_in.head(n).maxCoeff() < 1e-17;
-    if (opaque && change <= 1e-17 * layer.above.r[0].cwiseAbs().maxCoeff()) break;
+    if (opaque && change <= 2e-16 * before.cwiseAbs().maxCoeff()) break;
   }
   if (scattering.two_sided) layer.below = layer.above;
   if (infinite) {

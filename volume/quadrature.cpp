@@ -31,8 +31,8 @@ Quadrature gauss_legendre(int n) {
 Quadrature grazing_quadrature(int n) {
   Quadrature rule = gauss_legendre(n);
   const Eigen::ArrayXd x = rule.points.array();
-  rule.weights.array() *= 2 * x;
-  rule.points = x.square();
+  rule.weights.array() *= 3 * x * x;
+  rule.points = x.cube();
   return rule;
 }
 
