@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "phase/medium.h"
+#include "volume/direction_sets.h"
 
 namespace lamella {
 
@@ -24,13 +25,13 @@ struct KernelModes {
   Parts white;               ///< mode 0 without it
 };
 
-/// The modes 0 ... modes - 1 for every pair of an outgoing and an incoming |mu|. Mirror flakes and
-/// particles by Gauss-Legendre quadrature in the azimuth, crowded where the two directions are
-/// opposite as the nearest singularity in the complex plane asks; Lambertian flakes through
-///   K_m = 2 integral of D(v) c_m(mu_i, v) c_m(mu_o, v) dv,  v = m.z,
-/// c_m the closed modes of a clamped cosine <w, m>. f0: Schlick's reflectance of mirror flakes.
-[[nodiscard]] KernelModes kernel_modes(const Medium& medium, double f0, const Eigen::VectorXd& out,
-                                       const Eigen::VectorXd& in, int modes);
+/// The modes 0 ... modes - 1 for every pair of an outgoing and an incoming |mu|. f0: Schlick's
+/// reflectance of mirror flakes. Lambertian flakes by volume/lambert_flake_kernel.h. Mirror flakes
+/// and particles by Gauss-Legendre quadrature in the azimuth, crowded as the nearest singularity in
+/// the complex plane asks (volume/pair_modes.h); mirror flakes, whose kernel jumps where w_o =
+/// -w_i, enter projected onto what the nodes can represent (volume/forward_projection.h).
+[[nodiscard]] KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets,
+                                       int modes);
 
 /// Whether two media scatter alike: same kind, same numbers.
 [[nodiscard]] bool is_same_medium(const Medium& a, const Medium& b);

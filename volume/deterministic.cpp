@@ -50,8 +50,7 @@ struct ProbeModes {
 double largest_ratio(const MatrixXd& a, const MatrixXd& b) {
   double largest = 0;
   for (Index k = 0; k < a.size(); ++k)
-    if (b.data()[k] > 1e-200)
-      largest = std::max(largest, std::abs(a.data()[k]) / b.data()[k]);
+    if (b.data()[k] > 1e-200) largest = std::max(largest, std::abs(a.data()[k]) / b.data()[k]);
   return largest;
 }
 
@@ -110,17 +109,16 @@ struct Cosines {
     std::sort(distinct.begin(), distinct.end());
     distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
     for (const double m : mu)
-      place.push_back(std::lower_bound(distinct.begin(), distinct.end(),
-                                       std::max(std::abs(m), kGrazingLimit)) -
-                      distinct.begin());
+      place.push_back(
+          std::lower_bound(distinct.begin(), distinct.end(), std::max(std::abs(m), kGrazingLimit)) -
+          distinct.begin());
   }
 };
 
 bool channels_equal(const Stack& stack, int a, int b) {
-  return std::all_of(stack.layers.begin(), stack.layers.end(),
-                     [&](const Layer& l) {
-                       return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b];
-                     }) &&
+  return std::all_of(
+             stack.layers.begin(), stack.layers.end(),
+             [&](const Layer& l) { return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b]; }) &&
          (!stack.substrate || stack.substrate->albedo[a] == stack.substrate->albedo[b]);
 }
 
@@ -137,8 +135,7 @@ struct DeterministicField::Channel {
   }
 };
 
-double DeterministicField::mode(int channel, int order, int m, std::size_t i,
-                                std::size_t o) const {
+double DeterministicField::mode(int channel, int order, int m, std::size_t i, std::size_t o) const {
   const Channel& c = *channels_[channel_of_[channel]];
   const auto at = [&](int k) {
     return c.modes[m][k][c.part(i, o)](static_cast<Index>(c.out.place[o]),
@@ -164,7 +161,8 @@ DeterministicValue DeterministicField::multiple(std::size_t i, std::size_t o, do
   for (std::size_t k = 0; k < channels_.size(); ++k) {
     const Channel& c = *channels_[k];
     const int part = c.part(i, o);
-    const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
+    const Index row = static_cast<Index>(c.out.place[o]),
+                column = static_cast<Index>(c.in.place[i]);
     const double step = 2 * std::cos(x);
     double before = step / 2, now = 1;
     auto& sum = sums[k];
@@ -193,8 +191,7 @@ std::optional<std::string> why_not_deterministic(const Stack& stack) {
   return std::nullopt;
 }
 
-DeterministicSolution solve_deterministic(const Stack& stack,
-                                          const DeterministicOptions& options) {
+DeterministicSolution solve_deterministic(const Stack& stack, const DeterministicOptions& options) {
   if (const auto reason = why_not_deterministic(stack)) throw std::invalid_argument(*reason);
   const auto start = std::chrono::steady_clock::now();
   DeterministicSolution solution;
@@ -203,9 +200,9 @@ DeterministicSolution solve_deterministic(const Stack& stack,
     int same = 0;
     while (!channels_equal(stack, same, c)) ++same;
     if (same == c) solution.channels_.push_back(c);
-    solution.channel_of_[c] = static_cast<int>(
-        std::find(solution.channels_.begin(), solution.channels_.end(), same) -
-        solution.channels_.begin());
+    solution.channel_of_[c] =
+        static_cast<int>(std::find(solution.channels_.begin(), solution.channels_.end(), same) -
+                         solution.channels_.begin());
   }
   const int parts = stack.is_open_below() ? 4 : 1;
   const std::size_t channels = solution.channels_.size();
@@ -224,8 +221,7 @@ DeterministicSolution solve_deterministic(const Stack& stack,
       StackModes modes(stack, solution.channels_[k], DirectionSets(nodes, kProbes, kProbes), 1);
       ProbeModes fine = solve_probes(modes, parts, options.tolerance / 10, options.max_modes);
       const double tail = fine.converged ? 3 * fine.tail : fine.tail * 10;
-      change = std::max(
-          change, (step == 0 ? 1 : change_between(coarse[k], fine, parts)) + tail);
+      change = std::max(change, (step == 0 ? 1 : change_between(coarse[k], fine, parts)) + tail);
       converged = converged && fine.converged;
       bytes = std::max(bytes, modes.bytes());
       solution.modes_[k] = static_cast<int>(fine.modes.size());
@@ -238,7 +234,8 @@ DeterministicSolution solve_deterministic(const Stack& stack,
     const double now = seconds_since(start);
     last_seconds = now - begun;
     const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;
-    if (accuracy.reached || next > options.max_nodes || now + 4 * last_seconds > options.max_seconds)
+    if (accuracy.reached || next > options.max_nodes ||
+        now + 4 * last_seconds > options.max_seconds)
       break;
     (void)before;
     nodes = next;

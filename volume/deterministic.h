@@ -15,15 +15,15 @@ struct DeterministicOptions {
   double tolerance = 1e-6;  ///< of f, relative to its mean over the azimuth
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
   int max_nodes = 128;
-  int max_modes = 512;  ///< azimuthal modes
+  int max_modes = 512;       ///< azimuthal modes
   double max_seconds = 600;  ///< no finer solution is begun that would end later than this
 };
 
 /// What a solution cost and how far it got.
 struct DeterministicAccuracy {
   bool reached = false;  ///< whether error <= tolerance
-  double error = 0;  ///< of f, relative to its mean over the azimuth: change under the last
-                     ///< refinement at probe directions (mu = 0.01 to 1), plus the last modes
+  double error = 0;      ///< of f, relative to its mean over the azimuth: change under the last
+                         ///< refinement at probe directions (mu = 0.01 to 1), plus the last modes
   int nodes = 0, modes = 0;
   double seconds = 0;
   std::size_t bytes = 0;
@@ -95,9 +95,9 @@ class DeterministicSolution {
   friend DeterministicSolution solve_deterministic(const Stack&, const DeterministicOptions&);
   Stack stack_;
   DeterministicAccuracy accuracy_;
-  std::vector<int> channels_;            // distinct ones
-  std::array<int, 3> channel_of_{};      // index into channels_
-  std::array<int, 3> modes_{};           // per distinct channel
+  std::vector<int> channels_;        // distinct ones
+  std::array<int, 3> channel_of_{};  // index into channels_
+  std::array<int, 3> modes_{};       // per distinct channel
 };
 
 /// Why the method does not apply, if it does not: the stack is not symmetric about z, or holds

@@ -19,8 +19,8 @@ using Eigen::VectorXd;
 // Optical depth, along the steepest node, of the layer that doubling starts from.
 constexpr double kThinStart = 1.0 / 256;
 
-// Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance, by
-// elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
+// Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance,
+// by elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
 MatrixXd solve_without_subtraction(const MatrixXd& product, const RowVectorXd& defect, MatrixXd b) {
   const Index n = product.rows();
   MatrixXd a = product.transpose();  // row sums of I - a are the defect
@@ -177,8 +177,7 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
     set_direct(layer, scattering, thickness, rules.sets);
     if (!infinite) continue;
     // At albedo 1 what is missing falls like 1 / thickness only.
-    const double change =
-        (layer.above.r[0].topLeftCorner(n, n) - before).cwiseAbs().maxCoeff();
+    const double change = (layer.above.r[0].topLeftCorner(n, n) - before).cwiseAbs().maxCoeff();
     const bool opaque = layer.above.direct_in.head(n).maxCoeff() < 1e-17;
     if (opaque && change <= 2e-16 * before.cwiseAbs().maxCoeff()) break;
   }

@@ -16,8 +16,8 @@ using Series = std::array<Eigen::MatrixXd, kSeries>;
 /// meets nothing is apart.
 struct OperatorSide {
   Series r, t;
-  Eigen::VectorXd direct_in;   ///< share of a beam along `in` that crosses without a collision
-  Eigen::VectorXd direct_out;  ///< the same for the directions of `out`, light from this side
+  Eigen::VectorXd direct_in;    ///< share of a beam along `in` that crosses without a collision
+  Eigen::VectorXd direct_out;   ///< the same for the directions of `out`, light from this side
   Eigen::RowVectorXd absorbed;  ///< share of a beam that is absorbed (mode 0 only)
 };
 
@@ -41,8 +41,8 @@ struct OperatorRules {
                                               const OperatorRules& rules);
 
 /// Top over bottom. Multiple reflections between them are summed by (I - R R)^-1: in mode 0 by an
-/// elimination without subtractions (Alfa, Xue and Ye 2002, after Grassmann, Taksar and Heyman), fed
-/// with what is transmitted and absorbed instead of with 1 - R R, so that every entry keeps its
+/// elimination without subtractions (Alfa, Xue and Ye 2002, after Grassmann, Taksar and Heyman),
+/// fed with what is transmitted and absorbed instead of with 1 - R R, so that every entry keeps its
 /// relative accuracy at albedo 1 and any depth.
 [[nodiscard]] LayerOperator add_layers(const LayerOperator& top, const LayerOperator& bottom,
                                        const OperatorRules& rules);

@@ -3,25 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volume/quadrature.h"
-
 namespace lamella {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-VectorXd joined(const VectorXd& nodes, const std::vector<double>& extra) {
-  VectorXd all(nodes.size() + static_cast<Index>(extra.size()));
-  all.head(nodes.size()) = nodes;
-  for (std::size_t k = 0; k < extra.size(); ++k)
-    all[nodes.size() + static_cast<Index>(k)] = std::max(extra[k], kGrazingLimit);
-  return all;
-}
-
 VectorXd projected_areas(const Medium& medium, const VectorXd& mu, double sign) {
-  return mu.unaryExpr(
-      [&](double m) { return sigma(medium, {std::sqrt((1 - m) * (1 + m)), 0, sign * m}); });
+  return mu.unaryExpr([&](double m) {
+    return sigma(medium, {std::sqrt((1 - m) * (1 + m)), 0, sign * m});
+  });
 }
 
 // The part for light from side `in` (0 above, 1 below) that leaves up (0) or down (1).
@@ -39,15 +30,6 @@ double factor(double area, double sum, double largest) {
 
 }  // namespace
 
-DirectionSets::DirectionSets(int nodes, const std::vector<double>& extra_out,
-                             const std::vector<double>& extra_in) {
-  const Quadrature rule = grazing_quadrature(nodes);
-  out = joined(rule.points, extra_out);
-  in = joined(rule.points, extra_in);
-  weight = rule.weights;
-  flux = 2 * kPi * rule.points.cwiseProduct(rule.weights);
-}
-
 LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
                                  const DirectionSets& sets, int mode_count)
     : two_sided(is_two_sided(medium)) {
@@ -55,7 +37,7 @@ LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
     sigma_in[side] = projected_areas(medium, sets.in, side == 0 ? 1 : -1);
     sigma_out[side] = projected_areas(medium, sets.out, side == 0 ? 1 : -1);
   }
-  KernelModes kernel = kernel_modes(medium, f0, sets.out, sets.in, mode_count);
+  KernelModes kernel = kernel_modes(medium, f0, sets, mode_count);
   const Index n = sets.nodes();
   const VectorXd solid_angle = 2 * kPi * sets.weight;
 
@@ -92,8 +74,7 @@ LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
     // Outgoing directions: the same sum by symmetry, over what light from the label + or - does.
     VectorXd out_sum = VectorXd::Zero(sets.out.size());
     for (const int from : {0, 1})
-      out_sum += kernel.white[part_of(from, side)].leftCols(n) *
-                 solid_angle.cwiseProduct(d[from]);
+      out_sum += kernel.white[part_of(from, side)].leftCols(n) * solid_angle.cwiseProduct(d[from]);
     d_out[side] = VectorXd(sets.out.size());
     for (Index i = 0; i < sets.out.size(); ++i)
       d_out[side][i] = i < n ? d[side][i] : factor(sigma_out[side][i], out_sum[i], largest);
@@ -117,7 +98,8 @@ LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
         lost += (kernel.white[part] - kernel.modes[0][part]).topRows(n).transpose() * solid_angle;
     }
     for (Index j = 0; j < sets.in.size(); ++j)
-      if (sigma_in[side][j] <= kNegligibleArea * largest) sigma_in[side][j] = std::max(0., white[j]);
+      if (sigma_in[side][j] <= kNegligibleArea * largest)
+        sigma_in[side][j] = std::max(0., white[j]);
     absorbing[side] = (1 - albedo) * sigma_in[side] + albedo * lost;
   }
   for (Parts& mode : kernel.modes)

@@ -1,6 +1,7 @@
 #include "volume/quadrature.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace lamella {
@@ -28,10 +29,16 @@ Quadrature gauss_legendre(int n) {
   return rule;
 }
 
+const Quadrature& cached_gauss_legendre(int n) {
+  thread_local std::map<int, Quadrature> rules;
+  const auto it = rules.find(n);
+  return it != rules.end() ? it->second : rules.emplace(n, gauss_legendre(n)).first->second;
+}
+
 Quadrature grazing_quadrature(int n) {
   Quadrature rule = gauss_legendre(n);
   const Eigen::ArrayXd x = rule.points.array();
-  rule.weights.array() *= 3 * x * x;
+  rule.weights.array() *= 3 * x.square();
   rule.points = x.cube();
   return rule;
 }

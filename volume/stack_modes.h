@@ -38,7 +38,7 @@ class StackModes {
   int orders_;
   int ready_ = 0;  // modes that the kernels hold
   std::vector<Kind> kinds_;
-  std::vector<Slab> slabs_;           // distinct pairs of kind and depth
+  std::vector<Slab> slabs_;          // distinct pairs of kind and depth
   std::vector<std::size_t> layers_;  // index into slabs_, top down
 };
 

@@ -86,10 +86,10 @@ OperatorSide thin_side(const LayerScattering& s, int side, double thickness,
       const TwoEvents back2 = two_events(a[j], b_back[i]), on2 = two_events(a[j], b_on[i]);
       const double per2 = per * thickness;
       const auto order_two = [&](double value) { return std::isfinite(value) ? value : 0; };
-      result.r[2](i, j) = order_two(per2 * (back2.reflected_onward * r_onward(i, j) +
-                                            back2.reflected_back * r_back(i, j)));
-      result.t[2](i, j) = order_two(
-          per2 * (on2.through_onward * t_onward(i, j) + on2.through_back * t_back(i, j)));
+      result.r[2](i, j) = order_two(
+          per2 * (back2.reflected_onward * r_onward(i, j) + back2.reflected_back * r_back(i, j)));
+      result.t[2](i, j) =
+          order_two(per2 * (on2.through_onward * t_onward(i, j) + on2.through_back * t_back(i, j)));
     }
   result.r[0] = result.r[1] + result.r[2];
   result.t[0] = result.t[1] + result.t[2];
