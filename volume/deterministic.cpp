@@ -14,7 +14,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-const std::vector<double> kProbes{0.01, 0.05, 0.2, 0.5, 0.8, 1.0};
+// Apart from each other: where w_o = -w_i mirror flakes have a singularity, and each pair's own
+// tail of modes enters its error.
+const std::vector<double> kProbesIn{0.01, 0.07, 0.3, 0.6, 0.9};
+const std::vector<double> kProbesOut{0.02, 0.13, 0.45, 0.75, 1.0};
 
 // The block of a series between directions that were asked for.
 MatrixXd asked(const MatrixXd& m, Index nodes) {
@@ -38,19 +41,35 @@ int part_of(double mu_i, double mu_o) {
   return mu_i > 0 ? (mu_o > 0 ? kAboveToUp : kAboveToDown) : (mu_o > 0 ? kBelowToUp : kBelowToDown);
 }
 
+// What a series adds beyond its last term, from the largest of its last four terms and of the four
+// before: geometric or algebraic decay.
+double series_tail(double older, double newer) {
+  if (newer == 0) return 0;
+  const double q = std::min(0.98, std::pow(newer / std::max(older, newer), 0.25));
+  return newer * q / (1 - q);
+}
+
+// Whether an outgoing probe is within reach of the forward singularity of an incoming one.
+bool is_near_forward(Index o, Index i) {
+  return std::abs(std::acos(kProbesOut[o]) - std::acos(kProbesIn[i])) < 0.12;
+}
+
 // What the probes see at one number of nodes: modes of the orders 2 and up, and the mean of all.
 struct ProbeModes {
   std::vector<Parts> modes;
   Parts mean;
-  double tail = 0;
-  bool converged = false;
+  double tail = 0;  // of the series of modes, relative to the mean
 };
 
-// Largest ratio of an entry of a to that of b, where b is a number above rounding.
-double largest_ratio(const MatrixXd& a, const MatrixXd& b) {
+// Largest ratio of an entry of a to that of b, where b is a number above rounding; near-forward
+// pairs apart in transmission.
+double largest_ratio(const MatrixXd& a, const MatrixXd& b, int part) {
+  const bool through = part == kAboveToDown || part == kBelowToUp;
   double largest = 0;
-  for (Index k = 0; k < a.size(); ++k)
-    if (b.data()[k] > 1e-200) largest = std::max(largest, std::abs(a.data()[k]) / b.data()[k]);
+  for (Index i = 0; i < a.cols(); ++i)
+    for (Index o = 0; o < a.rows(); ++o)
+      if (b(o, i) > 1e-200 && !(through && is_near_forward(o, i)))
+        largest = std::max(largest, std::abs(a(o, i)) / b(o, i));
   return largest;
 }
 
@@ -58,7 +77,10 @@ ProbeModes solve_probes(StackModes& stack, int parts, double tolerance, int max_
   ProbeModes result;
   const Index nodes = stack.sets().nodes();
   int quiet = 0;
-  for (int m = 0; m < max_modes; ++m) {
+  std::vector<double> sizes;
+  // Modes that vary faster than the nodes can follow would be noise.
+  const int limit = std::min(max_modes, 2 * static_cast<int>(nodes) + 24);
+  for (int m = 0; m < limit; ++m) {
     const LayerOperator op = stack.mode(m);
     Parts rest;
     double size = 0;
@@ -66,17 +88,19 @@ ProbeModes solve_probes(StackModes& stack, int parts, double tolerance, int max_
       const Series& series = part_of(op, part);
       rest[part] = asked(series[0] - series[1], nodes);
       if (m == 0) result.mean[part] = asked(series[0], nodes);
-      size = std::max(size, 2 * largest_ratio(rest[part], result.mean[part]));
+      size = std::max(size, 2 * largest_ratio(rest[part], result.mean[part], part));
     }
     result.modes.push_back(std::move(rest));
-    result.tail = size;
+    sizes.push_back(size);
     // Odd and even modes may differ: several small ones in a row end the series.
     quiet = size < tolerance ? quiet + 1 : 0;
-    if (quiet == 3) {
-      result.converged = true;
-      break;
-    }
+    if (quiet == 4) break;
   }
+  sizes.resize(std::max<std::size_t>(sizes.size(), 8), 0);
+  const auto largest = [&](std::ptrdiff_t from) {
+    return *std::max_element(sizes.end() - from, sizes.end() - from + 4);
+  };
+  result.tail = series_tail(largest(8), largest(4));
   return result;
 }
 
@@ -84,13 +108,11 @@ double change_between(const ProbeModes& coarse, const ProbeModes& fine, int part
   double largest = 0;
   for (int part = 0; part < parts; ++part) {
     MatrixXd sum = MatrixXd::Zero(fine.mean[part].rows(), fine.mean[part].cols());
-    for (std::size_t m = 0; m < fine.modes.size(); ++m) {
-      const MatrixXd& now = fine.modes[m][part];
-      const MatrixXd difference =
-          m < coarse.modes.size() ? MatrixXd(now - coarse.modes[m][part]) : now;
-      sum += (m == 0 ? 1 : 2) * difference.cwiseAbs();
-    }
-    largest = std::max(largest, largest_ratio(sum, fine.mean[part]));
+    // Modes that only one of the two has belong to the tail.
+    const std::size_t common = std::min(coarse.modes.size(), fine.modes.size());
+    for (std::size_t m = 0; m < common; ++m)
+      sum += (m == 0 ? 1 : 2) * (fine.modes[m][part] - coarse.modes[m][part]).cwiseAbs();
+    largest = std::max(largest, largest_ratio(sum, fine.mean[part], part));
   }
   return largest;
 }
@@ -125,6 +147,21 @@ bool channels_equal(const Stack& stack, int a, int b) {
 }  // namespace
 
 struct DeterministicField::Channel {
+  // What the modes beyond the last would add to one pair, from the decay of the last eight:
+  // geometric or algebraic.
+  [[nodiscard]] double tail(int which, Index o, Index i) const {
+    const std::size_t count = modes.size();
+    if (count < 8) return 0;
+    double window[2] = {0, 0};  // newer, older
+    for (std::size_t m = count - 8; m < count; ++m) {
+      double all = 0;
+      for (const Parts& order : modes[m]) all += order[which](o, i);
+      double& largest = window[m < count - 4 ? 1 : 0];
+      largest = std::max(largest, std::abs(all));
+    }
+    return 2 * series_tail(window[1], window[0]);
+  }
+
   std::vector<std::array<Parts, 3>> modes;  // [mode][order 2, 3, 4+][part]
   Parts mean;                               // of all orders
   Cosines in, out;
@@ -179,7 +216,10 @@ DeterministicValue DeterministicField::multiple(std::size_t i, std::size_t o, do
   for (int channel = 0; channel < 3; ++channel) {
     for (int order = 1; order < kOrders; ++order)
       value.order[order][channel] = sums[channel_of_[channel]][order];
-    value.error[channel] = error_ * mean(channel, i, o);
+    const Channel& c = *channels_[channel_of_[channel]];
+    value.error[channel] =
+        error_ * mean(channel, i, o) +
+        c.tail(c.part(i, o), static_cast<Index>(c.out.place[o]), static_cast<Index>(c.in.place[i]));
   }
   return value;
 }
@@ -208,36 +248,35 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   const std::size_t channels = solution.channels_.size();
   std::vector<ProbeModes> coarse(channels);
   DeterministicAccuracy& accuracy = solution.accuracy_;
-  double last_seconds = 0;
+  double tail = 1;
   for (int nodes = options.min_nodes, step = 0;; ++step) {
-    const double begun = seconds_since(start);
-    const double before = accuracy.error;
-    double change = 0;
-    bool converged = true;
-    std::size_t bytes = 0;
+    const double begun = seconds_since(start), tail_before = tail;
+    double change = step == 0 ? 1 : 0;
+    tail = 0;
     accuracy.nodes = nodes;
     accuracy.modes = 0;
     for (std::size_t k = 0; k < channels; ++k) {
-      StackModes modes(stack, solution.channels_[k], DirectionSets(nodes, kProbes, kProbes), 1);
+      StackModes modes(stack, solution.channels_[k], DirectionSets(nodes, kProbesOut, kProbesIn),
+                       1);
       ProbeModes fine = solve_probes(modes, parts, options.tolerance / 10, options.max_modes);
-      const double tail = fine.converged ? 3 * fine.tail : fine.tail * 10;
-      change = std::max(change, (step == 0 ? 1 : change_between(coarse[k], fine, parts)) + tail);
-      converged = converged && fine.converged;
-      bytes = std::max(bytes, modes.bytes());
+      if (step > 0) change = std::max(change, change_between(coarse[k], fine, parts));
+      tail = std::max(tail, fine.tail);
       solution.modes_[k] = static_cast<int>(fine.modes.size());
       accuracy.modes = std::max(accuracy.modes, solution.modes_[k]);
+      accuracy.bytes = std::max(accuracy.bytes, modes.bytes());
       coarse[k] = std::move(fine);
     }
-    accuracy.error = change;
-    accuracy.bytes = std::max(accuracy.bytes, bytes);
-    accuracy.reached = step > 0 && converged && change <= options.tolerance;
+    accuracy.node_error = change;
+    accuracy.error = change + tail;
+    accuracy.reached = step > 0 && accuracy.error <= options.tolerance;
     const double now = seconds_since(start);
-    last_seconds = now - begun;
     const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;
-    if (accuracy.reached || next > options.max_nodes ||
-        now + 4 * last_seconds > options.max_seconds)
+    // A tail of modes that falls slowly is not worth a finer solution; nor is one that takes longer
+    // than what is left (cost grows at most like the fourth power of the nodes).
+    const bool limited = change <= options.tolerance && tail > tail_before / 4;
+    if (accuracy.reached || limited || next > options.max_nodes ||
+        now + 5 * (now - begun) > options.max_seconds)
       break;
-    (void)before;
     nodes = next;
   }
   accuracy.seconds = seconds_since(start);
@@ -248,7 +287,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
                                                 std::span<const double> mu_o) const {
   DeterministicField field;
   field.channel_of_ = channel_of_;
-  field.error_ = accuracy_.error;
+  field.error_ = accuracy_.node_error;
   for (std::size_t k = 0; k < channels_.size(); ++k) {
     auto channel = std::make_shared<DeterministicField::Channel>(
         DeterministicField::Channel{{}, {}, Cosines(mu_i), Cosines(mu_o), {}, {}});

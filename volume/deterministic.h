@@ -15,18 +15,22 @@ struct DeterministicOptions {
   double tolerance = 1e-6;  ///< of f, relative to its mean over the azimuth
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
   int max_nodes = 128;
-  int max_modes = 512;       ///< azimuthal modes
-  double max_seconds = 600;  ///< no finer solution is begun that would end later than this
+  int max_modes = 512;      ///< azimuthal modes
+  double max_seconds = 60;  ///< no finer solution is begun that would end later than this
 };
 
 /// What a solution cost and how far it got.
 struct DeterministicAccuracy {
   bool reached = false;  ///< whether error <= tolerance
-  double error = 0;      ///< of f, relative to its mean over the azimuth: change under the last
-                         ///< refinement at probe directions (mu = 0.01 to 1), plus the last modes
+  /// Of f, relative to its mean over the azimuth: change under the last refinement of the nodes at
+  /// probe directions (mu from 0.01 to 1), plus what the azimuthal modes left out would add.
+  /// Transmitted directions within 0.12 rad of going straight on are apart: mirror flakes make a
+  /// singularity there. DeterministicValue carries each pair's own error.
+  double error = 0;
+  double node_error = 0;  ///< the first part of it
   int nodes = 0, modes = 0;
   double seconds = 0;
-  std::size_t bytes = 0;
+  std::size_t bytes = 0;  ///< of the kernels, the largest tables
 };
 
 /// Scattering orders 1, 2, 3, 4 and more, all.
@@ -35,7 +39,7 @@ inline constexpr int kOrders = 5;
 /// f [1/sr] by order; the delta is left out.
 struct DeterministicValue {
   std::array<Rgb, kOrders> order;
-  Rgb error;  ///< absolute, of all orders together
+  Rgb error;  ///< absolute, of all orders together: nodes, and this pair's own tail of modes
 };
 
 /// Shares of what arrives from one direction. absorbed follows from the absorption in the layers,
