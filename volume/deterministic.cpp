@@ -283,8 +283,20 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   return solution;
 }
 
+namespace {
+
+void check_sides(const Stack& stack, std::span<const double> mu_i) {
+  if (!stack.is_open_below())
+    for (const double mu : mu_i)
+      if (mu < 0)
+        throw std::invalid_argument("light from below on a half space or an opaque substrate");
+}
+
+}  // namespace
+
 DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
                                                 std::span<const double> mu_o) const {
+  check_sides(stack_, mu_i);
   DeterministicField field;
   field.channel_of_ = channel_of_;
   field.error_ = accuracy_.node_error;
@@ -314,6 +326,8 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
 }
 
 DeterministicValue DeterministicSolution::f(Direction wi, Direction wo) const {
+  if (wi.z == 0 && wo.z == 0)
+    throw std::invalid_argument("both directions graze: f has no limit there");
   wi = with_grazing_limit(wi);
   wo = with_grazing_limit(wo);
   const double mu_i[] = {wi.z}, mu_o[] = {wo.z};
@@ -327,6 +341,7 @@ DeterministicValue DeterministicSolution::f(Direction wi, Direction wo) const {
 
 std::vector<DeterministicEnergies> DeterministicSolution::energies(
     std::span<const double> mu_i) const {
+  check_sides(stack_, mu_i);
   std::vector<DeterministicEnergies> result(mu_i.size());
   const Cosines in(mu_i);
   for (std::size_t k = 0; k < channels_.size(); ++k) {
