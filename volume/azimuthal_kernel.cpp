@@ -14,6 +14,9 @@ using Eigen::ArrayXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Mean cosine above which a particle's forward peak is projected like a mirror's jump.
+constexpr double kPeaked = 0.5;
+
 constexpr int kSignIn[4] = {1, 1, -1, -1};
 constexpr int kSignOut[4] = {1, -1, -1, 1};
 
@@ -97,15 +100,17 @@ KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& s
       const double g = std::abs(m.g);
       const double width = g > 0 ? (1 - g) * (1 - g) / g : 1e3;
       const bool forward = m.g >= 0;
-      return sampled(Profile{[&](double hxy2, double hz) {
-                               return henyey_greenstein_phase(m.g, 1 - (hxy2 + hz * hz) / 2);
-                             },
-                             [&](double mu_i, double mu_o, double gap) {
-                               const double dz = forward ? mu_i + mu_o : mu_i - mu_o;
-                               return width + gap + dz * dz;
-                             },
-                             forward},
-                     1, sets, modes, true);
+      const auto profile = Profile{[&](double hxy2, double hz) {
+                                     return henyey_greenstein_phase(m.g, 1 - (hxy2 + hz * hz) / 2);
+                                   },
+                                   [&](double mu_i, double mu_o, double gap) {
+                                     const double dz = forward ? mu_i + mu_o : mu_i - mu_o;
+                                     return width + gap + dz * dz;
+                                   },
+                                   forward};
+      KernelModes kernel = sampled(profile, 1, sets, modes, true);
+      if (m.g > kPeaked) project_forward(profile, 1, sets, true, kernel);
+      return kernel;
     }
   };
   return std::visit(Visitor{f0, sets, modes, opposite}, medium);

@@ -79,7 +79,7 @@ ProbeModes solve_probes(StackModes& stack, int parts, double tolerance, int max_
   int quiet = 0;
   std::vector<double> sizes;
   // Modes that vary faster than the nodes can follow would be noise.
-  const int limit = std::min(max_modes, 2 * static_cast<int>(nodes) + 24);
+  const int limit = std::min(max_modes, 4 * static_cast<int>(nodes) + 24);
   for (int m = 0; m < limit; ++m) {
     const LayerOperator op = stack.mode(m);
     Parts rest;

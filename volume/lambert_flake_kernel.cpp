@@ -52,7 +52,7 @@ Quadrature normals(const Ndf& ndf, const VectorXd& out, const VectorXd& in) {
   breaks.erase(
       std::unique(breaks.begin(), breaks.end(), [](double a, double b) { return b - a < 1e-15; }),
       breaks.end());
-  constexpr int kWide = 16, kNarrow = 6;
+  constexpr int kWide = 24, kNarrow = 6;
   std::vector<double> points, weights;
   for (std::size_t p = 0; p + 1 < breaks.size(); ++p) {
     const double length = breaks[p + 1] - breaks[p];

@@ -16,8 +16,9 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-// Optical depth, along the steepest node, of the layer that doubling starts from.
-constexpr double kThinStart = 1.0 / 256;
+// Optical depth, along the steepest node, of the layer that doubling starts from. In deep layers
+// the start's error in the energy adds up, so that they start thinner.
+double thin_start(double depth) { return depth > 10 ? 1.0 / 32768 : 1.0 / 256; }
 
 // Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance,
 // by elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
@@ -160,10 +161,11 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
   for (const VectorXd& area : scattering.sigma_in)
     steepest = std::max(steepest, area.head(n).cwiseQuotient(rules.sets.in.head(n)).maxCoeff());
   const bool infinite = std::isinf(depth);
-  double thickness = infinite ? kThinStart / steepest : depth;
+  const double start = thin_start(depth);
+  double thickness = infinite ? start / steepest : depth;
   int doublings = infinite ? 200 : 0;
-  if (!infinite && thickness * steepest > kThinStart) {
-    doublings = static_cast<int>(std::ceil(std::log2(thickness * steepest / kThinStart)));
+  if (!infinite && thickness * steepest > start) {
+    doublings = static_cast<int>(std::ceil(std::log2(thickness * steepest / start)));
     thickness = std::ldexp(depth, -doublings);
   }
   LayerOperator layer = thin_layer(scattering, thickness, rules);
@@ -176,10 +178,15 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
     thickness *= 2;
     set_direct(layer, scattering, thickness, rules.sets);
     if (!infinite) continue;
-    // At albedo 1 what is missing falls like 1 / thickness only.
-    const double change = (layer.above.r[0].topLeftCorner(n, n) - before).cwiseAbs().maxCoeff();
+    // At albedo 1 what is missing falls like 1 / thickness only. In irradiance: between grazing
+    // nodes f itself is large.
+    const VectorXd root = rules.sets.flux.cwiseSqrt();
+    const auto in_irradiance = [&](const MatrixXd& r) {
+      return (root.asDiagonal() * r * root.asDiagonal()).cwiseAbs().maxCoeff();
+    };
+    const double change = in_irradiance(layer.above.r[0].topLeftCorner(n, n) - before);
     const bool opaque = layer.above.direct_in.head(n).maxCoeff() < 1e-17;
-    if (opaque && change <= 2e-16 * before.cwiseAbs().maxCoeff()) break;
+    if (opaque && change <= 1e-17 * in_irradiance(before)) break;
   }
   if (scattering.two_sided) layer.below = layer.above;
   if (infinite) {

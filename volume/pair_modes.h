@@ -33,40 +33,38 @@ struct Profile {
 template <class F, class G>
 Profile(F, G, bool) -> Profile<F, G>;
 
-// Modes of one pair. samples: |h|^2, h_z -> kernel; the first `modes` cosines in x are summed.
+// Points in the azimuth for kernels whose nearest singularity is at distance b from y = 0 in the
+// imaginary direction, and for the cosines of `modes` modes.
+struct AzimuthRule {
+  Eigen::ArrayXd y, weight;
+};
+
+/// Gauss-Legendre in a variable whose density over y in (0, pi) is that of asinh(y / b), for the
+/// singularity, plus a uniform one, for the cosines. b is rounded down to a power of sqrt(2), and
+/// each rule is made once per thread.
+[[nodiscard]] const AzimuthRule& azimuth_rule(double b, int modes);
+
+// Modes of one pair, as many as `result` holds, and the white mode 0.
 template <class P>
 void pair_modes(const P& profile, double f0, double mu_i, double mu_o, Eigen::ArrayXd& result,
                 double& white) {
   const Pair pair(mu_i, mu_o);
   const int modes = static_cast<int>(result.size());
   const double reach = profile.reach(mu_i, mu_o, pair.gap);
-  const double b = std::clamp(std::sqrt(reach / std::max(pair.product, 1e-300)), 1e-8, 2.0);
-  const double stretch = std::asinh(kPi / b);
-  const int n = 8 * ((28 + static_cast<int>(4 * stretch) + modes + 7) / 8);
-  const Quadrature& rule = cached_gauss_legendre(n);
-  Eigen::ArrayXd y(n), weight(n);
-  for (int k = 0; k < n; ++k) {
-    const double u = rule.points[k] * stretch;
-    y[k] = b * std::sinh(u);
-    weight[k] = rule.weights[k] * stretch * b * std::cosh(u) / kPi;
-  }
-  const Eigen::ArrayXd x = profile.peak_at_zero_x ? y : Eigen::ArrayXd(kPi - y);
-  double white_sum = 0;
-  for (int k = 0; k < n; ++k) {
-    const double half = std::sin(x[k] / 2);
-    const double hxy2 = pair.gap + 4 * pair.product * half * half;
-    double value = weight[k] * profile.value(hxy2, pair.hz);
-    white_sum += value;
-    // cosine of the half angle: |h| / 2
-    if (f0 != 1) value *= f0 + (1 - f0) * schlick_weight(std::sqrt(hxy2 + pair.hz * pair.hz) / 2);
-    weight[k] = value;
-  }
-  white = white_sum;
+  const AzimuthRule& rule = azimuth_rule(std::sqrt(reach / std::max(pair.product, 1e-300)), modes);
+  const Eigen::ArrayXd x = profile.peak_at_zero_x ? rule.y : Eigen::ArrayXd(kPi - rule.y);
+  const Eigen::ArrayXd hxy2 = pair.gap + 4 * pair.product * (x / 2).sin().square();
+  Eigen::ArrayXd now = rule.weight;
+  for (Eigen::Index k = 0; k < now.size(); ++k) now[k] *= profile.value(hxy2[k], pair.hz);
+  white = now.sum();
+  if (f0 != 1)  // the cosine of the half angle is |h| / 2
+    for (Eigen::Index k = 0; k < now.size(); ++k)
+      now[k] *= f0 + (1 - f0) * schlick_weight(std::sqrt(hxy2[k] + pair.hz * pair.hz) / 2);
   const Eigen::ArrayXd step = 2 * x.cos();
-  Eigen::ArrayXd before = weight * step / 2, now = weight;  // cos(-x), cos(0 x)
+  Eigen::ArrayXd before = now * step / 2, next;  // cos(-x), cos(0 x)
   for (int m = 0; m < modes; ++m) {
     result[m] = now.sum();
-    const Eigen::ArrayXd next = step * now - before;
+    next = step * now - before;
     before = now;
     now = next;
   }

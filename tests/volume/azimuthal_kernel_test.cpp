@@ -45,7 +45,7 @@ TEST(AzimuthalKernel, SeriesOfModesGivesBackThePhaseFunction) {
               sum += (m == 0 ? 1 : 2) * kernel.modes[m][part](4 + o, 4 + i) * std::cos(m * x);
             const double area = sigma(medium, wi);
             const double expected = area > 1e-12 ? area * phase(medium, wi, wo).density : 0;
-            EXPECT_NEAR(sum, expected, 1e-8 * expected + 1e-10)
+            EXPECT_NEAR(sum, expected, 2e-8 * expected + 2e-9)
                 << text << ' ' << part << ' ' << in[i] << ' ' << out[o] << ' ' << x;
           }
   }

@@ -122,8 +122,10 @@ TEST(DeterministicHardCase, AThickLayerIsAHalfSpace) {
 
 TEST(DeterministicHardCase, StronglyForwardScatteringThickLayer) {
   const Stack stack = stack_of(layer(henyey_greenstein(0.95), 1, 100));
-  const DeterministicOptions coarse{.tolerance = 1e-3, .min_nodes = 48, .max_nodes = 48};
-  const DeterministicOptions fine{.tolerance = 1e-3, .min_nodes = 64, .max_nodes = 64};
+  const DeterministicOptions coarse{
+      .tolerance = 1e-3, .min_nodes = 32, .max_nodes = 32, .max_modes = 12};
+  const DeterministicOptions fine{
+      .tolerance = 1e-3, .min_nodes = 48, .max_nodes = 48, .max_modes = 12};
   const DeterministicSolution a = solve_deterministic(stack, coarse),
                               b = solve_deterministic(stack, fine);
   const double mu[] = {0.2, 0.9};
