@@ -29,7 +29,8 @@ struct KernelModes {
 /// reflectance of mirror flakes. Lambertian flakes by volume/lambert_flake_kernel.h. Mirror flakes
 /// and particles by Gauss-Legendre quadrature in the azimuth, crowded as the nearest singularity in
 /// the complex plane asks (volume/pair_modes.h); mirror flakes, whose kernel jumps where w_o =
-/// -w_i, enter projected onto what the nodes can represent (volume/forward_projection.h).
+/// -w_i, and particles with a narrow forward peak enter projected onto what the nodes can represent
+/// (volume/forward_projection.h).
 [[nodiscard]] KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets,
                                        int modes);
 

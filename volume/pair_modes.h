@@ -10,8 +10,8 @@
 
 namespace lamella {
 
-// A pair of directions seen through h = w_i + w_o: its horizontal part squared at x = 0 and twice
-// the product of the sines, so that |h_xy|^2 = gap + 2 product (1 - cos x).
+/// A pair of directions seen through h = w_i + w_o: its horizontal part squared at x = 0 and twice
+/// the product of the sines, so that |h_xy|^2 = gap + 2 product (1 - cos x).
 struct Pair {
   double hz, gap, product;
   Pair(double mu_i, double mu_o) : hz(mu_i + mu_o), product(sine(mu_i) * sine(mu_o)) {
@@ -22,8 +22,8 @@ struct Pair {
   }
 };
 
-// What the azimuthal quadrature needs of a medium: the kernel by |h_xy|^2 and h_z, and the square
-// of the imaginary part, times the product of the sines, of its nearest singularity in x.
+/// What the azimuthal quadrature needs of a medium: the kernel by |h_xy|^2 and h_z, and the square
+/// of the imaginary part, times the product of the sines, of its nearest singularity in x.
 template <class F, class G>
 struct Profile {
   F value;
@@ -33,8 +33,8 @@ struct Profile {
 template <class F, class G>
 Profile(F, G, bool) -> Profile<F, G>;
 
-// Points in the azimuth for kernels whose nearest singularity is at distance b from y = 0 in the
-// imaginary direction, and for the cosines of `modes` modes.
+/// Points in the azimuth for kernels whose nearest singularity is at distance b from y = 0 in the
+/// imaginary direction, and for the cosines of `modes` modes.
 struct AzimuthRule {
   Eigen::ArrayXd y, weight;
 };
@@ -44,7 +44,7 @@ struct AzimuthRule {
 /// each rule is made once per thread.
 [[nodiscard]] const AzimuthRule& azimuth_rule(double b, int modes);
 
-// Modes of one pair, as many as `result` holds, and the white mode 0.
+/// Modes of one pair, as many as `result` holds, and the white mode 0.
 template <class P>
 void pair_modes(const P& profile, double f0, double mu_i, double mu_o, Eigen::ArrayXd& result,
                 double& white) {

@@ -77,8 +77,7 @@ TEST(DeterministicEnergy, TransmissionOfAWhiteSlabFallsLikeOneOverItsDepth) {
     scaled[k++] = s.energies(mu)[0].transmitted[4].r * (thickness + 1.42089);
   }
   EXPECT_NEAR(scaled[1] / scaled[0], 1, 1e-9);
-  // (mu + q(mu)) at mu = 1 with q: sqrt(3) / 3 H(1), Chandrasekhar 1960, section 27: 2.907810529 /
-  // sqrt(3).
+  // Milne's problem: the emergent radiance of a deep source is proportional to H(mu) / sqrt(3).
   EXPECT_NEAR(scaled[1], 2.907810529 / std::sqrt(3.0), 1e-6);
 }
 
