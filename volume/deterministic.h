@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "phase/stack.h"
+
+namespace lamella {
+
+struct DeterministicOptions {
+  double tolerance = 1e-6;  ///< of f, relative to its mean over the azimuth
+  int min_nodes = 8;        ///< nodes per hemisphere to begin with
+  int max_nodes = 128;
+  int max_modes = 512;      ///< azimuthal modes
+  double max_seconds = 60;  ///< no finer solution is begun that would end later than this
+};
+
+/// What a solution cost and how far it got.
+struct DeterministicAccuracy {
+  bool reached = false;  ///< whether error <= tolerance
+  /// Of f, relative to its mean over the azimuth: change under the last refinement of the nodes at
+  /// probe directions (mu from 0.01 to 1), plus what the azimuthal modes left out would add.
+  /// Transmitted directions within 0.12 rad of going straight on are apart: mirror flakes make a
+  /// singularity there. DeterministicValue carries each pair's own error.
+  double error = 0;
+  double node_error = 0;  ///< the first part of it
+  int nodes = 0, modes = 0;
+  double seconds = 0;
+  std::size_t bytes = 0;  ///< of the kernels, the largest tables
+};
+
+/// Scattering orders 1, 2, 3, 4 and more, all.
+inline constexpr int kSolvedOrders = 5;
+
+/// f [1/sr] by order; the delta is left out.
+struct DeterministicValue {
+  std::array<Rgb, kSolvedOrders> order;
+  Rgb error;  ///< absolute, of all orders together: nodes, and this pair's own tail of modes
+};
+
+/// Shares of what arrives from one direction. absorbed follows from the absorption in the layers,
+/// not from the others, so that their sum is a check.
+struct DeterministicEnergies {
+  std::array<Rgb, kSolvedOrders> reflected, transmitted;
+  Rgb uncollided, absorbed;
+  Rgb escaped;  ///< lost to the depth of a half space (one-sided flakes that face down)
+
+  [[nodiscard]] Rgb sum() const {
+    return reflected[4] + transmitted[4] + uncollided + absorbed + escaped;
+  }
+};
+
+/// Solved modes for lists of incoming and outgoing cosines: f at any azimuth is a short sum.
+class DeterministicField {
+ public:
+  /// f for incoming cosine i and outgoing cosine o of the lists. x = pi - phi, phi the azimuth of
+  /// w_o relative to w_i. Orders 2 and up only: order 1 is left at 0.
+  [[nodiscard]] DeterministicValue multiple(std::size_t i, std::size_t o, double x) const;
+  /// Mode m of the orders 2 and up (4: their sum) [1/sr]: f = sum over m of (2 - [m = 0]) f_m
+  /// cos(m x). What an average over cells of phi needs.
+  [[nodiscard]] double mode(int channel, int order, int m, std::size_t i, std::size_t o) const;
+  /// Mean over the azimuth of all orders, the first included.
+  [[nodiscard]] double mean(int channel, std::size_t i, std::size_t o) const;
+  [[nodiscard]] int modes(int channel) const;
+
+ private:
+  friend class DeterministicSolution;
+  // Per distinct channel: [mode][order 2, 3, 4+], rows o, columns i; then the mean of all.
+  struct Channel;
+  std::vector<std::shared_ptr<const Channel>> channels_;
+  std::array<int, 3> channel_of_{};
+  double error_ = 0;
+};
+
+/// Light in a stack that is symmetric about z, by adding and doubling over azimuthal modes; the
+/// derivation is in volume/README.md. Single scattering is exact; orders 2, 3 and 4+ come from the
+/// modes, where the orders 1 to 3 are followed as such (successive orders) and 4+ is the rest.
+/// Directions need not be nodes: each becomes a direction without weight, which receives the exact
+/// integral of the source function.
+class DeterministicSolution {
+ public:
+  /// f for one pair, mu = 0 as the limit from above, not both. Many pairs are cheaper by `field`.
+  [[nodiscard]] DeterministicValue f(Direction wi, Direction wo) const;
+  /// The modes for every pair of these cosines (negative: below). Cost grows with the number of
+  /// distinct |mu|, those of mu_o counting most.
+  [[nodiscard]] DeterministicField field(std::span<const double> mu_i,
+                                         std::span<const double> mu_o) const;
+  /// One entry per incoming cosine.
+  [[nodiscard]] std::vector<DeterministicEnergies> energies(std::span<const double> mu_i) const;
+
+  [[nodiscard]] const DeterministicAccuracy& accuracy() const { return accuracy_; }
+  [[nodiscard]] const Stack& stack() const { return stack_; }
+
+ private:
+  friend DeterministicSolution solve_deterministic(const Stack&, const DeterministicOptions&);
+  Stack stack_;
+  DeterministicAccuracy accuracy_;
+  std::vector<int> channels_;        // distinct ones
+  std::array<int, 3> channel_of_{};  // index into channels_
+  std::array<int, 3> modes_{};       // per distinct channel
+};
+
+/// Why the method does not apply, if it does not: the stack is not symmetric about z, or holds
+/// delta flakes (mirrors at roughness 0).
+[[nodiscard]] std::optional<std::string> why_not_deterministic(const Stack& stack);
+
+/// Refines nodes and modes until f changes by less than the tolerance. Throws
+/// std::invalid_argument where the method does not apply.
+[[nodiscard]] DeterministicSolution solve_deterministic(const Stack& stack,
+                                                        const DeterministicOptions& options = {});
+
+}  // namespace lamella
