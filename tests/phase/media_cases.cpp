@@ -84,7 +84,12 @@ SphereCells lobe_cells(const MediumCase& c, Direction wi) {
   if (const auto* hg = std::get_if<HenyeyGreenstein>(&c.medium))
     return {.axis = hg->g < 0 ? wi : -wi,
             .width = hg->g == 0 ? kInfinity : (1 - std::abs(hg->g)) / std::sqrt(std::abs(hg->g))};
-  if (c.costly) return {.axis = c.axis, .rows = 4, .columns = 6, .smooth = true};
+  if (c.costly) {
+    // Narrow one-sided flakes' light ends within alpha of the horizon, which few points would miss.
+    const auto* one_sided = std::get_if<LambertFlakes<Vmf>>(&c.medium);
+    const bool narrow = one_sided && one_sided->ndf.alpha() < 0.1;
+    return {.axis = c.axis, .rows = 4, .columns = 6, .smooth = !narrow};
+  }
   if (c.fiber || c.roughness >= 1) return {.axis = c.axis};
   const double u = dot(wi, c.axis);
   const auto* vmf = std::get_if<MirrorFlakes<Vmf>>(&c.medium);
