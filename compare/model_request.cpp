@@ -66,11 +66,12 @@ std::vector<BoundModel> models_for(const Options& options, const Stack& stack) {
       const ModelInfo* info = find_model(request.name);
       if (info && info->applies_to)
         if (const auto from_stack = info->applies_to(stack))
-          for (const auto& [key, value] : from_stack->all()) {
+          for (const auto& entry : from_stack->all()) {
+            const std::string& key = entry.first;
             const bool given = std::any_of(request.values.begin(), request.values.end(),
                                            [&](const auto& v) { return v.first == key; });
             if (given) continue;
-            std::string as_text = to_text(value);
+            std::string as_text = to_text(entry.second);
             std::erase_if(as_text, [](char c) { return c == '[' || c == ']' || c == '"'; });
             request.values.emplace_back(key, as_text);
           }

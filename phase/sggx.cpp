@@ -55,7 +55,7 @@ double Sggx::mirror_phase(Direction wi, Direction wo) const {
 }
 
 std::optional<Sggx::Axial> Sggx::axial_form(const std::array<double, 6>& s) {
-  const auto [xx, yy, zz, xy, xz, yz] = s;
+  const double xx = s[0], yy = s[1], zz = s[2], xy = s[3], xz = s[4], yz = s[5];
   // S - lambda I has rank 1 for the double eigenvalue lambda, which any non-zero product of two
   // off-diagonal entries gives; its columns then lie along the axis.
   constexpr double kRounding = 1e-14;

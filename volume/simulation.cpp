@@ -82,7 +82,7 @@ Simulation::RunBatch Simulation::runner(Estimator estimator, bool points) {
         walks_of(medium, single, scorer, batch, from, to);
       };
     if (points && points_.empty())
-      return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
+      return [=](int batch, std::uint64_t from, std::uint64_t to) {
         NullScorer scorer;
         walks_of(medium, single, scorer, batch, from, to);
       };
