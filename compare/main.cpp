@@ -219,7 +219,7 @@ int run_program(int argc, char** argv) {
       ->check(CLI::IsMember({"auto", "scalar"}));
   bench->add_flag("--quick", options.quick, "Every row in a few seconds: noisy");
   add_json(*bench, options);
-  bench->footer("Example: lamella bench --json bench.json");
+  bench->footer("Example: lamella bench --quick --json bench.json");
 
   CLI::App* eval = app.add_subcommand("eval", "Values of a model at direction pairs, as CSV");
   eval->add_option("MODEL", words, "Model or medium (see README), then key=value...")

@@ -4,7 +4,7 @@ import subprocess
 
 from lamella_program import PROGRAM, ProgramTest
 
-COMMANDS = ["", "simulate", "compare", "furnace", "eval", "explain", "models", "media", "stacks"]
+COMMANDS = ["", "simulate", "compare", "furnace", "eval", "bench", "explain", "models", "media", "stacks"]
 
 
 class ExamplesOfHelpWorkAsPrinted(ProgramTest):

@@ -78,15 +78,19 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
                 self.json_of(command)
 
     def test_bench_rows_as_the_contract_has_them(self):
-        row = {"what": "sggx_slab/walk", "kind": "walk", "seconds": 1.5,
-               "collisions_per_second_per_core": 1e7, "ns_per_eval": None, "error": 0.01,
-               "baseline": None, "ratio_to_baseline": None}
-        answer = {"format": 1, "command": "bench", "seed": 1, "threads": 2, "isa": "scalar",
-                  "rows": [row]}
-        check_schema("bench", answer)
-        for key in row:
+        answer = self.json_of("bench", "--quick", "--quiet")
+        whats = [row["what"] for row in answer["rows"]]
+        for stack in ("lambert_sphere_halfspace", "sggx_slab", "vmf_halfspace", "hg_slab"):
+            for task in ("walk", "walk+cells", "nee1", "nee16", "nee64"):
+                self.assertIn(f"{stack}/{task}", whats)
+        for model in self.json_of("models")["models"]:
+            self.assertIn("eval/" + model["name"], whats)
+            self.assertIn("eval_batch/" + model["name"], whats)
+        for key in ("what", "kind", "seconds", "collisions_per_second_per_core", "ns_per_eval",
+                    "error", "baseline", "ratio_to_baseline"):
+            less = {k: v for k, v in answer["rows"][0].items() if k != key}
             with self.assertRaises(jsonschema.ValidationError):
-                check_schema("bench", {**answer, "rows": [{k: row[k] for k in row if k != key}]})
+                check_schema("bench", {**answer, "rows": [less]})
 
 
 def objects_in(schema):

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "volume/simulation.h"
 
 namespace lamella::testing {
+
+/// Walks of a test: twenty times as many in `make soak`.
+[[nodiscard]] inline std::uint64_t soaked(std::uint64_t walks) {
+  return std::getenv("LAMELLA_SOAK") ? 20 * walks : walks;
+}
 
 [[nodiscard]] inline Stack stack_from(const std::string& toml) {
   return parse_stack(toml, "test", "test");

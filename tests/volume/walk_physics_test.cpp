@@ -20,7 +20,7 @@ std::unique_ptr<Simulation> at_points(const Stack& stack, Direction wi,
                                       const std::vector<Direction>& points, std::uint64_t walks,
                                       std::uint64_t seed = 1) {
   auto simulation = std::make_unique<Simulation>(stack, make_plan(stack), wi, points, seed);
-  simulation->advance(walks);
+  simulation->advance(testing::soaked(walks));
   return simulation;
 }
 
@@ -35,7 +35,7 @@ std::unique_ptr<Simulation> analog(const Stack& stack, Direction wi, std::uint64
                                    std::uint64_t seed = 1) {
   auto simulation = std::make_unique<Simulation>(stack, make_plan(stack), wi, Estimator::analog,
                                                  CellGrid{2, 2, false}, seed);
-  simulation->advance(walks);
+  simulation->advance(testing::soaked(walks));
   return simulation;
 }
 
@@ -254,7 +254,7 @@ std::array<double, 4> null_collision_energies(double roughness, double depth, Di
 }
 
 TEST(WalkPhysics, VisibleNormalsAgreeWithNullCollisions) {
-  constexpr int kWalks = 200000;
+  const int kWalks = static_cast<int>(testing::soaked(200000));
   for (const double r : {0.2, 0.5, 0.9}) {
     const Direction wi = direction_from_degrees(65, 0);
     const auto expected = null_collision_energies(r, 2, wi, kWalks);
