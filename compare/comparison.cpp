@@ -170,7 +170,7 @@ std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& ru
   return lobes;
 }
 
-void decide(std::vector<LobeComparison*> lobes) {
+void decide(const std::vector<LobeComparison*>& lobes) {
   if (lobes.empty()) return;
   const double level = -std::expm1(std::log1p(-kReportFalseAlarm) / lobes.size());
   for (LobeComparison* l : lobes) {

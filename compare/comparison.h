@@ -45,6 +45,6 @@ inline constexpr double kReportFalseAlarm = 0.01;
 
 /// Sets the verdicts: `differs` if the p-value is below the level that the report's lobes share
 /// (Sidak), `insufficient` if it is not but the noise could hide a relative RMSE of 10 %.
-void decide(std::vector<LobeComparison*> lobes);
+void decide(const std::vector<LobeComparison*>& lobes);
 
 }  // namespace lamella
