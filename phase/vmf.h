@@ -55,8 +55,8 @@ class Vmf {
 
   /// D(h) / (4 sigma(w_i)), in log space where both underflow; 0 where sigma < exp(-1e10).
   [[nodiscard]] double mirror_phase(Direction wi, Direction wo) const;
-  /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): adaptive quadrature over the cosine
-  /// with the mean normal, the azimuth in closed form. Relative error below 1e-8 + 1e-15 kappa, as
+  /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): quadrature by panels over the cosine
+  /// with the mean normal, the azimuth in closed form. Relative error below 1e-7 + 1e-15 kappa, as
   /// cosines near 1 round; for alpha < 1e-5 the cosine with the likeliest visible normal instead,
   /// absolute error of the order of alpha wherever sigma > 0.
   [[nodiscard]] double diffuse_phase(Direction wi, Direction wo) const;

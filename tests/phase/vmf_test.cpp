@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <limits>
 
+#include "phase/clamped_cosines.h"
 #include "phase/lambert_sphere.h"
 #include "tests/phase/media_cases.h"
 #include "tests/phase/vmf_reference.h"
@@ -115,6 +118,34 @@ TEST(Vmf, PhaseFunctionOfNarrowFlakesSeenFromBehindIsNormalised) {
                                         lobe_cells(c, wi), 1e-4);
     // Three points a cell where each takes a quadrature; measured: 1.9e-3.
     EXPECT_NEAR(sum, 1, 3e-3) << mu;
+  }
+}
+
+TEST(Vmf, DiffusePhaseMatchesAnAdaptiveQuadrature) {
+  using boost::math::quadrature::gauss_kronrod;
+  RandomStream stream(3, 0, StreamPurpose::test);
+  const auto draw = [&] {
+    const double mu = 2 * stream.uniform() - 1;
+    return direction_from_mu_phi(mu, 2 * kPi * stream.uniform());
+  };
+  for (const double r : {0.1, 0.5, 0.9}) {
+    const Vmf ndf(vmf_alpha(r), {0, 0, 1});
+    const double kappa = vmf_concentration(ndf.alpha());
+    for (int n = 0; n < 20; ++n) {
+      const Direction wi = draw(), wo = draw();
+      const ClampedCosines pair(wi, wo, {0, 0, 1});
+      const auto integrand = [&](double v) { return vmf_density(kappa, v) * pair.overlap(v); };
+      std::vector<double> edges{-1, 1};
+      for (const double kink : pair.kinks()) edges.insert(edges.end(), {kink, -kink});
+      std::sort(edges.begin(), edges.end());
+      double integral = 0;
+      for (std::size_t k = 0; k + 1 < edges.size(); ++k)
+        if (edges[k + 1] > edges[k])
+          integral +=
+              gauss_kronrod<double, 21>::integrate(integrand, edges[k], edges[k + 1], 12, 1e-12);
+      const double expected = integral / (kPi * vmf_sigma(wi.z, ndf.alpha()));
+      EXPECT_NEAR(ndf.diffuse_phase(wi, wo), expected, 1e-7 * expected + 1e-14) << r;
+    }
   }
 }
 
