@@ -83,9 +83,9 @@ class Sggx {
   }
   /// D(h) / (4 sigma(w_i)), h the half vector (its limit in the vertical plane at w_o = -w_i).
   [[nodiscard]] double mirror_phase(Direction wi, Direction wo) const;
-  /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)) by quadrature: over the cosine with
-  /// the axis, the azimuth in closed form, where S has one (surface, fiber, a diagonal with two
-  /// equal entries); else over the lune that both directions see, some hundred times slower.
+  /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): about the axis, the azimuth in closed
+  /// form, where S has a double eigenvalue (relative error below 1e-8, 1e-6 at alpha 0.001); else
+  /// over the lune that both directions see, far slower (1e-7 down to alpha 0.5, not tested below).
   [[nodiscard]] double diffuse_phase(Direction wi, Direction wo) const;
   [[nodiscard]] bool is_delta() const { return false; }
 

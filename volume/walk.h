@@ -34,7 +34,6 @@ struct WalkStack {
   std::vector<WalkLayer> layers;
   bool has_substrate;
   std::array<double, 3> substrate_albedo;
-  bool open_below;
   std::uint64_t max_order;
 };
 
