@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace lamella {
@@ -40,6 +41,15 @@ std::optional<double> parse_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+// The unit vector along v, whose largest element is `largest`. A vector of length 1 up to the
+// rounding of a former normalisation (its square within 9 half-ulps) stays as it is, so that a
+// stack that was written reads back the same.
+Direction unit_along(Direction v, double largest) {
+  constexpr double kRounding = 4.5 * std::numeric_limits<double>::epsilon();
+  if (std::abs(dot(v, v) - 1) <= kRounding) return v;
+  return normalized((1 / largest) * v);
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -154,7 +164,7 @@ ParameterValue checked(const ParameterInfo& info, const ParameterValue& value) {
         largest = std::max(largest, std::abs(x));
       }
       if (!(largest > 0)) throw refuse();
-      const Direction unit = normalized((1 / largest) * Direction{(*v)[0], (*v)[1], (*v)[2]});
+      const Direction unit = unit_along({(*v)[0], (*v)[1], (*v)[2]}, largest);
       return std::vector<double>{unit.x, unit.y, unit.z};
     }
     case ParameterKind::matrix: {

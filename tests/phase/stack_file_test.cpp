@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "phase/builtin_stacks.h"
+#include "phase/random.h"
 
 namespace lamella::testing {
 namespace {
@@ -72,6 +74,23 @@ TEST(StackFile, NormalisesTheAxisAndTakesColoursAsNumbersOrTriples) {
   EXPECT_EQ(stack.layers[0].albedo, Rgb(1, 0.5, 0));
   EXPECT_EQ(stack.layers[0].f0, Rgb(0.04));
   EXPECT_TRUE(stack.is_half_space());
+}
+
+TEST(StackFile, AnAxisThatWasNormalisedStaysAsItIs) {
+  const ParameterInfo axis{
+      .name = "axis", .kind = ParameterKind::vector, .unit = "1", .doc = "mean normal"};
+  const auto is_kept = [&](std::vector<double> v) {
+    const ParameterValue once = checked(axis, v);
+    EXPECT_EQ(checked(axis, once), once) << to_text(ParameterValue(v));
+    const auto& unit = std::get<std::vector<double>>(once);
+    EXPECT_NEAR(std::hypot(unit[0], unit[1], unit[2]), 1, 1e-15);
+  };
+  is_kept({5, 0, 1});  // an ulp off at the second pass if it is normalised again
+  RandomStream stream(1, 0, StreamPurpose::test);
+  const auto element = [&] {
+    return (2 * stream.uniform() - 1) * std::pow(10, 20 * stream.uniform() - 10);
+  };
+  for (int k = 0; k < 100000; ++k) is_kept({element(), element(), element()});
 }
 
 TEST(StackFile, ReadsWindowsLineEndingsAndIntegers) {
