@@ -33,9 +33,15 @@ asan: install-test-packages
 	cmake --build --preset asan
 	ctest --preset asan
 
-# Longer than continuous integration can wait for: twenty times the walks.
+# Longer than continuous integration can wait for: twenty times the walks, new inputs for the stack
+# reader.
 soak: install-test-packages release
 	LAMELLA_SOAK=1 ctest --preset release
+	cmake --preset asan $(LAUNCHER)
+	cmake --build build/asan --target stack_fuzz
+	build/asan/tests/stack_fuzz --seeds build/asan/fuzz-corpus
+	build/asan/tests/stack_fuzz -max_total_time=600 -max_len=2048 -timeout=20 -verbosity=0 \
+	  -artifact_prefix=build/asan/ build/asan/fuzz-corpus
 
 release: install-build-packages
 	cmake --preset release $(LAUNCHER) -DLAMELLA_TESTS=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF)
