@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "compare/command.h"
+#include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
 #include "compare/model_request.h"
@@ -80,10 +81,7 @@ std::string table(const std::vector<JudgedModel>& models) {
 
 int compare_command(const Options& options) {
   const Stack stack = stack_of(options);
-  const Plan plan = make_plan(stack, options.max_order);
-  const Estimator estimator = estimator_of(options, Estimator::analog);
-  const std::vector<Direction> directions = incident_directions(options, stack);
-  const CellGrid grid = parse_grid(options.grid);
+  GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
   std::vector<JudgedModel> judged;
   for (BoundModel& bound : models_for(options, stack)) {
     const double nanoseconds = nanoseconds_per_eval(*bound.model);
@@ -93,21 +91,18 @@ int compare_command(const Options& options) {
   make_output_folder(folder);
 
   std::vector<RunResult> runs;
-  for (const Direction wi : directions) {
-    Simulation simulation(stack, plan, wi, estimator, grid, options.seed);
-    runs.push_back(
-        run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi))));
-    const RunResult& run = runs.back();
+  for (std::size_t k = 0; k < truth.directions().size() && !interrupted; ++k) {
+    const Truth found = truth.find(k);
+    const RunResult& run = runs.emplace_back(found.run);
     for (JudgedModel& m : judged)
       for (const bool reflected : {true, false}) {
-        if (!reflected && !plan.transmits) continue;
+        if (!reflected && !truth.plan().transmits) continue;
         const bool up = (run.incident.z > 0) == reflected;
         const ProjectedLobes projected =
-            project(*m.bound.model, *m.bound.info, wi, run.grid, up, run.channels);
-        for (LobeComparison& l : compare(simulation, run, projected, reflected))
+            project(*m.bound.model, *m.bound.info, run.incident, run.grid, up, run.channels);
+        for (LobeComparison& l : compare(run, found.batches.get(), projected, reflected))
           m.lobes.push_back(std::move(l));
       }
-    if (interrupted) break;
   }
   std::vector<LobeComparison*> all;
   for (JudgedModel& m : judged)
@@ -115,12 +110,15 @@ int compare_command(const Options& options) {
   decide(all);
 
   const std::string summary =
-      fmt::format("{}: {} walks per direction, {} estimator, seed {}{}\n", stack.name,
-                  runs.front().walks, to_text(estimator), options.seed,
-                  plan.channels == 3 ? "; energies are means over r, g, b" : "") +
+      fmt::format("{}: {}{}{}\n", stack.name,
+                  runs.front().is_bounded()
+                      ? ""
+                      : fmt::format("{} walks per direction, ", runs.front().walks),
+                  estimator_text(truth.choice(), options),
+                  truth.plan().channels == 3 ? "; energies are means over r, g, b" : "") +
       table(judged);
   Json answer = json_header("compare", stack, options);
-  answer["estimator"] = to_text(estimator);
+  add_choice(answer, truth.choice(), options);
   answer["walks"] = runs.front().walks;
   answer["interrupted"] = interrupted.load();
   Json list = Json::array();
@@ -149,12 +147,11 @@ int compare_command(const Options& options) {
       same += other.bound.info == m.bound.info;
     }
     if (same > 1) name += fmt::format("_{}", before);
-    write_exr(folder + "/" + name + ".exr",
-              comparison_image(stack, runs, m.lobes, estimator, options));
+    write_exr(folder + "/" + name + ".exr", comparison_image(stack, runs, m.lobes, options));
     pictures += write_comparison_pictures(folder, name, stack.name, runs, m.lobes);
   }
   answer["models"] = std::move(list);
-  write_exr(folder + "/truth.exr", simulation_image(stack, runs, estimator, options));
+  write_exr(folder + "/truth.exr", simulation_image(stack, runs, options));
   write_file(folder + "/report.json", answer.dump(2) + "\n");
   write_file(folder + "/summary.txt", summary);
   if (!options.quiet) {

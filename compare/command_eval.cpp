@@ -9,6 +9,7 @@
 
 #include "compare/command.h"
 #include "compare/direction_pairs.h"
+#include "compare/estimator_choice.h"
 #include "compare/model_request.h"
 #include "compare/truth.h"
 #include "phase/builtin_stacks.h"
@@ -112,6 +113,22 @@ Answer eval_medium(const std::string& what, const KeyValues& given,
   return answer;
 }
 
+// Says where the solver's bound of a value is above the tolerance, which is relative to the mean
+// over the azimuth; the value itself stands in for that mean here.
+void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSolution& solution,
+                    double tolerance) {
+  double worst = 0;
+  for (const TruthValue& v : truth)
+    for (int c = 0; c < 3; ++c)
+      if (v.f[c] != 0) worst = std::max(worst, v.standard_error[c] / std::abs(v.f[c]));
+  const DeterministicAccuracy& a = solution.accuracy();
+  if (worst > tolerance && !a.reached)
+    fmt::print(stderr,
+               "lamella: warning: truth: the solver's bound is {:.1e} of a value at worst after {} "
+               "nodes and {} modes, short of tolerance {}; see se\n",
+               worst, a.nodes, a.modes, to_text(tolerance));
+}
+
 Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
   const auto stack = take_stack(values, "truth", pairs);
   if (!stack)
@@ -120,14 +137,35 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
   const auto walks = take(values, "walks");
   const auto estimator = take(values, "estimator");
   const auto seed = take(values, "seed");
-  if (estimator && *estimator != "auto" && *estimator != "next-event")
-    throw UsageError(fmt::format(
-        "truth: key \"estimator\": found \"{}\"; allowed: auto, next-event", *estimator));
+  const auto tolerance = take(values, "tolerance");
+  if (estimator && *estimator == "analog")
+    throw UsageError(
+        "truth: key \"estimator\": found \"analog\", which counts light in cells and never meets a "
+        "point; allowed: auto, next-event, deterministic");
+  if (estimator && *estimator != "auto" && *estimator != "next-event" &&
+      *estimator != "deterministic")
+    throw UsageError(
+        fmt::format("truth: key \"estimator\": found \"{}\"; allowed: auto, next-event, "
+                    "deterministic",
+                    *estimator));
   if (!values.empty())
-    throw UsageError(fmt::format(
-        "truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed", values[0].first));
+    throw UsageError(
+        fmt::format("truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance",
+                    values[0].first));
   check_pairs(pairs, *stack);
   Options with_seed = options;
+  with_seed.estimator = estimator.value_or("auto");
+  if (walks) {
+    with_seed.walks = parse_walks(*walks);
+    with_seed.walk_options.insert(with_seed.walk_options.begin(), "walks");
+  }
+  if (tolerance) {
+    const auto number = parse_number(*tolerance);
+    if (!number || !(*number > 0) || std::isinf(*number))
+      throw UsageError(fmt::format(
+          "truth: key \"tolerance\": found \"{}\"; allowed: a number in (0, inf)", *tolerance));
+    with_seed.tolerance = *number;
+  }
   if (seed) {
     const auto number = parse_whole_number(*seed);
     if (!number)
@@ -137,10 +175,17 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
   }
   Answer answer;
   answer.color = !stack->is_grey();
-  catch_interrupts();
-  for (const TruthValue& v :
-       truth_at(*stack, pairs.pairs, walks ? parse_walks(*walks) : options.walks, options.max_order,
-                with_seed.seed, &interrupted)) {
+  const EstimatorChoice choice = choose_estimator(*stack, with_seed, Estimator::next_event);
+  std::vector<TruthValue> truth;
+  if (choice.solution) {
+    truth = truth_at(*choice.solution, pairs.pairs);
+    warn_of_bounds(truth, *choice.solution, with_seed.tolerance);
+  } else {
+    catch_interrupts();
+    truth = truth_at(*stack, pairs.pairs, with_seed.walks, options.max_order, with_seed.seed,
+                     &interrupted);
+  }
+  for (const TruthValue& v : truth) {
     answer.f.push_back(v.f);
     answer.standard_error.push_back(v.standard_error);
   }
@@ -194,8 +239,8 @@ Answer eval_model(const std::string& what, KeyValues values, const DirectionPair
     } else if (part == "albedo") {
       answer.f.push_back(bound.model->albedo(with_grazing_limit(pair.wi)));
     } else if (extra) {
-      answer.f.push_back(extra->eval(bound.parameters, with_grazing_limit(pair.wi),
-                                     with_grazing_limit(pair.wo)));
+      answer.f.push_back(
+          extra->eval(bound.parameters, with_grazing_limit(pair.wi), with_grazing_limit(pair.wo)));
     } else {
       const bool grazing = pair.wi.z == 0 && pair.wo.z == 0;
       const Rgb f = lobe < 0 ? bound.model->eval(pair.wi, pair.wo)

@@ -4,6 +4,7 @@
 
 #include "compare/command.h"
 #include "compare/furnace.h"
+#include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/model_request.h"
 
@@ -91,28 +92,26 @@ int furnace_command(const Options& options) {
   Stack stack = stack_of(options);
   if (!options.as_is) stack = whitened(std::move(stack));
   if (!options.models.empty()) return model_furnace(options, stack);
-  const Plan plan = make_plan(stack, options.max_order);
-  const Estimator estimator = estimator_of(options, Estimator::next_event);
-  const std::vector<Direction> directions = incident_directions(options, stack);
+  GroundTruth truth(stack, options, kFurnaceGrid, Estimator::next_event);
+  const Plan& plan = truth.plan();
+  const std::vector<Direction>& directions = truth.directions();
   const double level = -std::expm1(std::log1p(-kFalseAlarm) /
                                    static_cast<double>(directions.size() * plan.channels));
   std::FILE* out = table_stream(options);
   if (!options.quiet)
     fmt::print(out,
-               "{}: furnace{}, {} estimator\n  {:>7} {:>10} {:>9} {:>10} {:>10} {:>10} {:>10} "
+               "{}: furnace{}, {}\n  {:>7} {:>10} {:>9} {:>10} {:>10} {:>10} {:>10} "
                "{:>10}  {}\n",
-               stack.name, options.as_is ? " as it is" : ", all albedos at 1", to_text(estimator),
-               "theta_i", "energy", "+-", "reflected", "transm.", "uncollided", "absorbed",
-               "unresolved", "verdict");
+               stack.name, options.as_is ? " as it is" : ", all albedos at 1",
+               estimator_text(truth.choice(), options), "theta_i", "energy", "+-", "reflected",
+               "transm.", "uncollided", "absorbed", "unresolved", "verdict");
   Json answer = json_header("furnace", stack, options);
   Json runs = Json::array();
   std::string overall = "pass";
-  for (const Direction wi : directions) {
-    Simulation simulation(stack, plan, wi, estimator, kFurnaceGrid, options.seed);
-    RunResult timed =
-        run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi)));
-    FurnaceRun furnace = judge_furnace(simulation, !options.as_is, level);
-    furnace.run.seconds = timed.seconds;
+  for (std::size_t k = 0; k < directions.size() && !interrupted; ++k) {
+    const Direction wi = directions[k];
+    const Truth found = truth.find(k);
+    const FurnaceRun furnace = judge_furnace(found.run, found.batches.get(), !options.as_is, level);
     const std::string verdict = to_text(furnace.verdict);
     overall = worse(overall, verdict);
     Json entry = to_json(furnace.run);
@@ -134,8 +133,9 @@ int furnace_command(const Options& options) {
                                       [](const Layer& l) { return is_delta(l.medium); });
     if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
         !specular && !interrupted) {
-      const RadianceCheck check = check_radiance(stack, make_plan(stack, options.max_order), wi,
-                                                 run.walks, options.seed, &interrupted);
+      const RadianceCheck check =
+          run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
+                           : check_radiance(stack, plan, wi, run.walks, options.seed, &interrupted);
       entry["radiance"] = {{"measured", check.measured},
                            {"standard_error", check.standard_error},
                            {"predicted", check.predicted},
@@ -147,15 +147,16 @@ int furnace_command(const Options& options) {
                    check.measured, check.standard_error, check.predicted, check.predicted_error);
     }
     runs.push_back(std::move(entry));
-    if (interrupted) break;
   }
-  answer["estimator"] = to_text(estimator);
+  add_choice(answer, truth.choice(), options);
   answer["verdict"] = overall;
   answer["interrupted"] = interrupted.load();
   answer["runs"] = std::move(runs);
   if (!options.quiet) {
     fmt::print(out, "{}\n", overall);
-    if (overall == "inconclusive")
+    if (overall == "inconclusive" && truth.estimator() == Estimator::deterministic)
+      fmt::print(out, "the solver's bound is too wide to judge by (--tolerance, --time)\n");
+    else if (overall == "inconclusive")
       fmt::print(
           out,
           "walks cut after {} events hold more light than the noise (--max-order), or too few "

@@ -2,6 +2,7 @@
 
 #include "analytic/model.h"
 #include "compare/command.h"
+#include "compare/estimator_choice.h"
 #include "compare/json_report.h"
 #include "phase/builtin_stacks.h"
 #include "phase/stack_file.h"
@@ -54,7 +55,9 @@ int explain_command(const Options& options) {
         {{"subject", note.subject}, {"decision", note.decision}, {"reason", note.reason}});
   };
   for (const PlanNote& note : explain(stack, plan)) add(note);
-  add({"estimator", "auto: analog for lobes, next-event for furnaces and for truth at points",
+  const EstimatorChoice choice = choose_estimator(stack, options, Estimator::analog);
+  add({"estimator", "auto: " + to_text(choice.estimator), choice.reason});
+  add({"of walks", "analog for lobes, next-event for furnaces and for truth at points",
        "analog counts every cell at the price of one; a furnace needs an estimate apart from the "
        "ledger"});
   std::string names;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "compare/command.h"
+#include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
 #include "compare/output_folder.h"
@@ -8,62 +9,61 @@
 namespace lamella {
 namespace {
 
-std::string channels_text(const std::array<Estimate, 3>& e, int channels) {
+std::string with_error(const std::array<Estimate, 3>& e, const RunResult& run) {
+  double error = 0;
   std::string text;
-  for (int c = 0; c < channels; ++c) text += fmt::format("{}{:.5f}", c ? " " : "", e[c].value);
-  return text;
+  for (int c = 0; c < run.channels; ++c) {
+    error = std::max(error, e[c].standard_error);
+    text += fmt::format("{}{:.{}f}", c ? " " : "", e[c].value, run.is_bounded() ? 9 : 5);
+  }
+  return text + fmt::format(" +- {:.1g}", error);
 }
 
-std::string with_error(const std::array<Estimate, 3>& e, int channels) {
-  double error = 0;
-  for (int c = 0; c < channels; ++c) error = std::max(error, e[c].standard_error);
-  return channels_text(e, channels) + fmt::format(" +- {:.1g}", error);
+std::string cost_of(const RunResult& run) {
+  if (!run.is_bounded()) return fmt::format("{} walks, {} collisions", run.walks, run.collisions);
+  const DeterministicAccuracy& a = *run.accuracy;
+  return fmt::format("{} nodes, {} modes, cells within {:.1e}", a.nodes, a.modes, a.error);
 }
 
 void print_run(std::FILE* out, const RunResult& run) {
-  const int channels = run.channels;
-  fmt::print(out, "theta_i {:g}, phi_i {:g}: {} walks, {} collisions, {:.2f} s\n",
-             theta_degrees(run.incident), phi_degrees(run.incident), run.walks, run.collisions,
-             run.seconds);
+  fmt::print(out, "theta_i {:g}, phi_i {:g}: {}, {:.2f} s\n", theta_degrees(run.incident),
+             phi_degrees(run.incident), cost_of(run), run.seconds);
   for (const bool reflected : {true, false}) {
     const SideResult& side = reflected ? run.reflected : run.transmitted;
-    if (!reflected && side.total[0].value == 0 && side.lobes[0].value.empty()) continue;
+    // The solver leaves less than its rounding at the bottom of a half space.
+    if (!reflected && side.total[0].value < 1e-12 && side.lobes[0].value.empty()) continue;
     fmt::print(out, "  {:<12} {}\n", reflected ? "reflected" : "transmitted",
-               with_error(side.total, channels));
+               with_error(side.total, run));
     static const char* const names[] = {"order 1", "order 2", "order 3", "order 4+"};
     for (int o = 0; o < kTallyOrders; ++o)
-      fmt::print(out, "    {:<10} {}\n", names[o], with_error(side.orders[o], channels));
+      fmt::print(out, "    {:<10} {}\n", names[o], with_error(side.orders[o], run));
     if (side.specular[0].value > 0)
-      fmt::print(out, "    {:<10} {}\n", "specular", with_error(side.specular, channels));
+      fmt::print(out, "    {:<10} {}\n", "specular", with_error(side.specular, run));
   }
-  fmt::print(out, "  {:<12} {}\n", "uncollided", with_error(run.uncollided, channels));
-  fmt::print(out, "  {:<12} {}\n", "absorbed", with_error(run.absorbed, channels));
-  fmt::print(out, "  {:<12} {}\n", "unresolved", with_error(run.unresolved, channels));
+  fmt::print(out, "  {:<12} {}\n", "uncollided", with_error(run.uncollided, run));
+  fmt::print(out, "  {:<12} {}\n", "absorbed", with_error(run.absorbed, run));
+  fmt::print(out, "  {:<12} {}\n", "unresolved", with_error(run.unresolved, run));
 }
 
 }  // namespace
 
 int simulate_command(const Options& options) {
   const Stack stack = stack_of(options);
-  const Plan plan = make_plan(stack, options.max_order);
-  const Estimator estimator = estimator_of(options, Estimator::analog);
+  GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
   if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
-  for (const Direction wi : incident_directions(options, stack)) {
-    Simulation simulation(stack, plan, wi, estimator, parse_grid(options.grid), options.seed);
-    runs.push_back(
-        run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi))));
-    if (interrupted) break;
-  }
+  for (std::size_t k = 0; k < truth.directions().size() && !interrupted; ++k)
+    runs.push_back(truth.find(k).run);
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
-    fmt::print(out, "{}: {} estimator, seed {}, energies as fractions of the incident light{}\n",
-               stack.name, to_text(estimator), options.seed, plan.channels == 3 ? " (r g b)" : "");
+    fmt::print(out, "{}: {}, energies as fractions of the incident light{}\n", stack.name,
+               estimator_text(truth.choice(), options),
+               truth.plan().channels == 3 ? " (r g b)" : "");
     for (const RunResult& run : runs) print_run(out, run);
     if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
   }
   if (!options.output.empty()) {
-    write_exr(options.output, simulation_image(stack, runs, estimator, options));
+    write_exr(options.output, simulation_image(stack, runs, options));
     if (!options.quiet) fmt::print(out, "wrote {}\n", options.output);
   }
   nlohmann::ordered_json answer = json_header("simulate", stack, options);
@@ -75,7 +75,7 @@ int simulate_command(const Options& options) {
     seconds += run.seconds;
     list.push_back(to_json(run));
   }
-  answer["estimator"] = to_text(estimator);
+  add_choice(answer, truth.choice(), options);
   answer["walks"] = runs.front().walks;
   answer["collisions"] = collisions;
   answer["seconds"] = seconds;

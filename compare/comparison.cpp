@@ -99,6 +99,29 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model, const
   return std::min(1.0, 2 * std::min(broad, local));
 }
 
+// Whether each cell of the model is as near to the truth as the truth's bound and the accuracy of
+// the projection allow.
+bool is_within_bounds(const LobeComparison& l) {
+  double mean = 0;
+  for (const double m : l.model) mean += std::abs(m) / static_cast<double>(l.model.size());
+  for (std::size_t k = 0; k < l.truth.size(); ++k) {
+    const double projection =
+        kProjectionTolerance * std::max(std::abs(l.model[k]), kProjectionFloor * mean);
+    if (std::abs(l.model[k] - l.truth[k]) > l.standard_error[k] + projection) return false;
+  }
+  return true;
+}
+
+// Mean squared error that a bounded truth could hide.
+double hidden_by_bounds(const LobeComparison& l) {
+  double hidden = 0;
+  for (std::size_t k = 0; k < l.truth.size(); ++k) {
+    const double most = std::abs(l.model[k] - l.truth[k]) + l.standard_error[k];
+    hidden += most * most / static_cast<double>(l.truth.size());
+  }
+  return hidden;
+}
+
 }  // namespace
 
 std::string to_text(Verdict verdict) {
@@ -120,7 +143,7 @@ std::vector<double> LobeComparison::z() const {
   return out;
 }
 
-std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& run,
+std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
                                     const ProjectedLobes& model, bool reflected) {
   std::vector<LobeComparison> lobes;
   const SideResult& side = reflected ? run.reflected : run.transmitted;
@@ -135,11 +158,15 @@ std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& ru
     l.truth = side.lobes[o].value;
     l.standard_error = side.lobes[o].standard_error;
     l.model = model.lobes[o];
-    const BatchSums sums = lobe_sums(truth, up, o);
+    l.bounded = !batches;
     const std::size_t cells = run.grid.cells(), n = l.truth.size();
     std::vector<int> channel_of(n);
     for (std::size_t k = 0; k < n; ++k) channel_of[k] = static_cast<int>(k / cells);
-    const Means energy = means_of(grouped(sums, channel_of, run.channels));
+    const BatchSums sums = batches ? lobe_sums(*batches, up, o) : BatchSums{};
+    const Means energy = batches
+                             ? means_of(grouped(sums, channel_of, run.channels))
+                             : Means{grouped_values(l.truth, channel_of, run.channels),
+                                     grouped_values(l.standard_error, channel_of, run.channels)};
     const std::vector<double> model_energy = grouped_values(l.model, channel_of, run.channels);
     for (int c = 0; c < run.channels; ++c) {
       l.energy_truth.push_back(energy.value[c] * solid_angle);
@@ -149,12 +176,11 @@ std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& ru
     double squares = 0, noise = 0, truth_squares = 0;
     for (std::size_t k = 0; k < n; ++k) {
       const double d = l.model[k] - l.truth[k];
-      const double variance = l.standard_error[k] * l.standard_error[k];
       squares += d * d / n;
-      noise += variance / n;
+      if (batches) noise += l.standard_error[k] * l.standard_error[k] / n;
       truth_squares += l.truth[k] * l.truth[k] / n;
       l.max_error = std::max(l.max_error, std::abs(d));
-      l.empty_cells += l.standard_error[k] == 0;
+      l.empty_cells += batches && l.standard_error[k] == 0;
     }
     const double truth_rms = std::sqrt(std::max(truth_squares - noise, 0.0));
     const auto relative = [&](double x) {
@@ -164,7 +190,9 @@ std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& ru
     l.relative_rmse = relative(l.rmse);
     l.rmse_without_noise = std::sqrt(std::max(squares - noise, 0.0));
     l.relative_rmse_without_noise = relative(l.rmse_without_noise);
-    l.p_value = p_value_of(sums, l.model, run.grid, run.channels);
+    l.p_value = batches               ? p_value_of(sums, l.model, run.grid, run.channels)
+                : is_within_bounds(l) ? 1
+                                      : 0;
     lobes.push_back(std::move(l));
   }
   return lobes;
@@ -188,8 +216,9 @@ void decide(const std::vector<LobeComparison*>& lobes) {
       squares += l->truth[k] * l->truth[k] / n;
     }
     const double hidden =
-        l->rmse_without_noise * l->rmse_without_noise + 2 * std::sqrt(2 * fourth) / n;
-    const double truth = std::max(squares - noise, 0.0);
+        l->bounded ? hidden_by_bounds(*l)
+                   : l->rmse_without_noise * l->rmse_without_noise + 2 * std::sqrt(2 * fourth) / n;
+    const double truth = l->bounded ? squares : std::max(squares - noise, 0.0);
     const bool nothing = squares == 0 && l->rmse == 0;
     l->verdict = nothing || hidden <= kHiddenError * kHiddenError * truth ? Verdict::agrees
                                                                           : Verdict::insufficient;

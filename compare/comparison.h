@@ -12,7 +12,7 @@ enum class Verdict { agrees, differs, insufficient };
 
 [[nodiscard]] std::string to_text(Verdict verdict);
 
-/// A closed form against the simulation, on one lobe: one incident direction, side and order.
+/// A closed form against the truth, on one lobe: one incident direction, side and order.
 /// Cells have equal projected solid angles, so plain means over cells are means over the lobe.
 struct LobeComparison {
   Direction wi{};
@@ -26,6 +26,7 @@ struct LobeComparison {
   double max_error = 0;  ///< largest |difference| of a cell, noise included [1/sr]
   double p_value = 1;    ///< of the hypothesis that model and truth are the same
   int empty_cells = 0;   ///< of the truth: no standard error, pooled in the test
+  bool bounded = false;  ///< the truth has error bounds in place of standard errors, no noise
   Verdict verdict = Verdict::agrees;
 
   // The maps, [channel][cell].
@@ -35,16 +36,20 @@ struct LobeComparison {
   [[nodiscard]] std::vector<double> z() const;
 };
 
-/// Compares a projected model with every lobe it stands for and the lobe "all" of one run. Verdicts
-/// are left at `agrees` until `decide` has seen all comparisons of a report.
-[[nodiscard]] std::vector<LobeComparison> compare(const Simulation& truth, const RunResult& run,
+/// Compares a projected model with every lobe it stands for and the lobe "all" of one run, of which
+/// `batches` holds the walks. Without batches the run has error bounds: the p-value is 1 where
+/// every cell of the model is within the bound and its own projection error, else 0, and there is
+/// no noise to remove. Verdicts are left at `agrees` until `decide` has seen all comparisons of a
+/// report.
+[[nodiscard]] std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
                                                   const ProjectedLobes& model, bool reflected);
 
 /// Chance that a report with only true models calls one of them different.
 inline constexpr double kReportFalseAlarm = 0.01;
 
 /// Sets the verdicts: `differs` if the p-value is below the level that the report's lobes share
-/// (Sidak), `insufficient` if it is not but the noise could hide a relative RMSE of 10 %.
+/// (Sidak), `insufficient` if it is not but the noise, or the bound, could hide a relative RMSE of
+/// 10 %.
 void decide(const std::vector<LobeComparison*>& lobes);
 
 }  // namespace lamella

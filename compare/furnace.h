@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "volume/deterministic.h"
 #include "volume/simulation.h"
 
 namespace lamella {
@@ -25,8 +26,10 @@ struct FurnaceRun {
 /// says is absorbed) within the noise. What the order limit cut is missing: if it is more than the
 /// noise and the energy is short by no more than it, nothing can be said; nor where the estimator
 /// saw fewer than some 100 effective events (sharp lobes that few walks hit). `level`: the
-/// probability with which a true furnace may fail by chance.
-[[nodiscard]] FurnaceRun judge_furnace(const Simulation& simulation, bool white, double level);
+/// probability with which a true furnace may fail by chance. Without batches the run has error
+/// bounds: what its cells sum to must be 1 within them, and bounds above 1e-3 say nothing.
+[[nodiscard]] FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool white,
+                                       double level);
 
 /// A one-sided stack's second furnace: the radiance seen along w under uniform light of radiance 1
 /// from both sides.
@@ -43,5 +46,8 @@ struct RadianceCheck {
 [[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
                                            std::uint64_t walks, std::uint64_t seed,
                                            const std::atomic<bool>* interrupted = nullptr);
+
+/// The same from a solved stack, errors being bounds.
+[[nodiscard]] RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w);
 
 }  // namespace lamella

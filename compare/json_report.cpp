@@ -94,17 +94,31 @@ Json side_json(const SideResult& side, int channels) {
 
 }  // namespace
 
+void add_choice(Json& answer, const EstimatorChoice& choice, const Options& options) {
+  answer["estimator"] = to_text(choice.estimator);
+  answer["estimator_asked"] = options.estimator;
+  answer["estimator_reason"] = choice.reason;
+  if (choice.solution) answer["tolerance"] = options.tolerance;
+}
+
 Json to_json(const RunResult& run) {
-  return {{"mu_i", run.incident.z == kGrazingLimit ? 0.0 : run.incident.z},
-          {"phi_i", phi_degrees(run.incident)},
-          {"walks", run.walks},
-          {"collisions", run.collisions},
-          {"seconds", run.seconds},
-          {"reflected", side_json(run.reflected, run.channels)},
-          {"transmitted", side_json(run.transmitted, run.channels)},
-          {"uncollided", values_of(run.uncollided, run.channels)},
-          {"absorbed", values_of(run.absorbed, run.channels)},
-          {"unresolved", values_of(run.unresolved, run.channels)}};
+  Json out{{"mu_i", run.incident.z == kGrazingLimit ? 0.0 : run.incident.z},
+           {"phi_i", phi_degrees(run.incident)},
+           {"walks", run.walks},
+           {"collisions", run.collisions},
+           {"seconds", run.seconds},
+           {"reflected", side_json(run.reflected, run.channels)},
+           {"transmitted", side_json(run.transmitted, run.channels)},
+           {"uncollided", values_of(run.uncollided, run.channels)},
+           {"absorbed", values_of(run.absorbed, run.channels)},
+           {"unresolved", values_of(run.unresolved, run.channels)}};
+  if (const auto& a = run.accuracy)
+    out["accuracy"] = {{"reached", a->reached},
+                       {"error", json_number(a->error)},
+                       {"nodes", a->nodes},
+                       {"modes", a->modes},
+                       {"bytes", a->bytes}};
+  return out;
 }
 
 void write_json(const Json& answer, const Options& options) {

@@ -3,9 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "compare/estimator_choice.h"
 #include "compare/options.h"
 #include "phase/stack.h"
-#include "volume/simulation.h"
+#include "volume/run_result.h"
 
 namespace lamella {
 
@@ -28,6 +29,11 @@ namespace lamella {
 /// Per channel, the values and the standard errors of estimates.
 [[nodiscard]] nlohmann::ordered_json values_of(const std::array<Estimate, 3>& e, int channels);
 [[nodiscard]] nlohmann::ordered_json errors_of(const std::array<Estimate, 3>& e, int channels);
+
+/// The estimator that was used, the one that was asked for, and why: "estimator",
+/// "estimator_asked", "estimator_reason", and the solver's "tolerance".
+void add_choice(nlohmann::ordered_json& answer, const EstimatorChoice& choice,
+                const Options& options);
 
 /// One incident direction of `simulate`.
 [[nodiscard]] nlohmann::ordered_json to_json(const RunResult& run);

@@ -36,20 +36,36 @@ int index_of(const std::vector<RunResult>& runs, Direction wi) {
   return 0;
 }
 
-ExrImage empty_image(const Stack& stack, const std::vector<RunResult>& runs, Estimator estimator,
+ExrImage empty_image(const Stack& stack, const std::vector<RunResult>& runs,
                      const Options& options) {
   ExrImage image;
   image.width = runs[0].grid.columns();
   image.height = runs[0].grid.rows();
-  image.attributes = file_attributes(stack, runs, estimator, options);
+  image.attributes = file_attributes(stack, runs, options);
   return image;
+}
+
+// What the channels named se hold, and of the solver how far it got.
+void add_error_attributes(std::map<std::string, std::string>& attributes,
+                          const std::vector<RunResult>& runs, const Options& options) {
+  if (!runs[0].is_bounded()) {
+    attributes["lamella.se"] = "standard error";
+    return;
+  }
+  attributes["lamella.se"] = "error bound of the deterministic solver";
+  attributes["lamella.tolerance"] = to_text(options.tolerance);
+  std::string& reached = attributes["lamella.error_reached"];
+  for (const RunResult& run : runs)
+    reached += fmt::format("{}{:.1e}", reached.empty() ? "" : " ", run.accuracy->error);
+  attributes["lamella.nodes"] = fmt::format("{}", runs[0].accuracy->nodes);
+  attributes["lamella.modes"] = fmt::format("{}", runs[0].accuracy->modes);
 }
 
 }  // namespace
 
 std::map<std::string, std::string> file_attributes(const Stack& stack,
                                                    const std::vector<RunResult>& runs,
-                                                   Estimator estimator, const Options& options) {
+                                                   const Options& options) {
   std::string directions, walks;
   for (const RunResult& run : runs) {
     directions += fmt::format("{}{},{}", directions.empty() ? "" : " ", theta_degrees(run.incident),
@@ -57,29 +73,33 @@ std::map<std::string, std::string> file_attributes(const Stack& stack,
     walks += fmt::format("{}{}", walks.empty() ? "" : " ", run.walks);
   }
   const CellGrid& grid = runs[0].grid;
-  return {{"lamella.version", LAMELLA_VERSION},
-          {"lamella.stack", to_toml(stack)},
-          {"lamella.stack_name", stack.name},
-          {"lamella.seed", fmt::format("{}", options.seed)},
-          {"lamella.walks", walks},
-          {"lamella.max_order", fmt::format("{}", options.max_order)},
-          {"lamella.estimator", to_text(estimator)},
-          {"lamella.isa", "scalar"},
-          {"lamella.incident", directions},
-          {"lamella.grid", fmt::format("{}x{}", grid.mu_cells, grid.phi_cells)},
-          {"lamella.phi",
-           grid.folded ? "folded: columns cover 0 to 180 degrees, each stands for phi and -phi"
-                       : "columns cover 0 to 360 degrees"},
-          {"lamella.conventions",
-           "f in 1/sr without the cosine, cosine-weighted mean over each cell; x: azimuth of w_o "
-           "relative to w_i from 0; y: mu_o^2 in equal steps, normal incidence at the top; both "
-           "directions point away from the stack; wiN: N-th incident direction (theta,phi in "
-           "degrees); se: standard error"}};
+  std::map<std::string, std::string> attributes{
+      {"lamella.version", LAMELLA_VERSION},
+      {"lamella.stack", to_toml(stack)},
+      {"lamella.stack_name", stack.name},
+      {"lamella.seed", fmt::format("{}", options.seed)},
+      {"lamella.walks", walks},
+      {"lamella.max_order", fmt::format("{}", options.max_order)},
+      {"lamella.estimator", to_text(runs[0].estimator)},
+      {"lamella.estimator_asked", options.estimator},
+      {"lamella.isa", "scalar"},
+      {"lamella.incident", directions},
+      {"lamella.grid", fmt::format("{}x{}", grid.mu_cells, grid.phi_cells)},
+      {"lamella.phi", grid.folded
+                          ? "folded: columns cover 0 to 180 degrees, each stands for phi and -phi"
+                          : "columns cover 0 to 360 degrees"},
+      {"lamella.conventions",
+       "f in 1/sr without the cosine, cosine-weighted mean over each cell; x: azimuth of w_o "
+       "relative to w_i from 0; y: mu_o^2 in equal steps, normal incidence at the top; both "
+       "directions point away from the stack; wiN: N-th incident direction (theta,phi in "
+       "degrees); se: what lamella.se says"}};
+  add_error_attributes(attributes, runs, options);
+  return attributes;
 }
 
 ExrImage simulation_image(const Stack& stack, const std::vector<RunResult>& runs,
-                          Estimator estimator, const Options& options) {
-  ExrImage image = empty_image(stack, runs, estimator, options);
+                          const Options& options) {
+  ExrImage image = empty_image(stack, runs, options);
   for (std::size_t k = 0; k < runs.size(); ++k)
     for (const bool reflected : {true, false}) {
       const SideResult& side = reflected ? runs[k].reflected : runs[k].transmitted;
@@ -95,9 +115,8 @@ ExrImage simulation_image(const Stack& stack, const std::vector<RunResult>& runs
 }
 
 ExrImage comparison_image(const Stack& stack, const std::vector<RunResult>& runs,
-                          const std::vector<LobeComparison>& lobes, Estimator estimator,
-                          const Options& options) {
-  ExrImage image = empty_image(stack, runs, estimator, options);
+                          const std::vector<LobeComparison>& lobes, const Options& options) {
+  ExrImage image = empty_image(stack, runs, options);
   for (const LobeComparison& l : lobes) {
     const int run = index_of(runs, l.wi), order = static_cast<int>(l.order);
     const int channels = static_cast<int>(l.energy_truth.size());

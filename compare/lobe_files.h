@@ -13,18 +13,17 @@ namespace lamella {
 /// estimator, isa, grid. Neither time nor threads nor paths.
 [[nodiscard]] std::map<std::string, std::string> file_attributes(const Stack& stack,
                                                                  const std::vector<RunResult>& runs,
-                                                                 Estimator estimator,
                                                                  const Options& options);
 
 /// The lobes of all runs as the channels of one image.
 [[nodiscard]] ExrImage simulation_image(const Stack& stack, const std::vector<RunResult>& runs,
-                                        Estimator estimator, const Options& options);
+                                        const Options& options);
 
 /// One model's comparisons as the channels of one image: truth, its standard error, model,
 /// difference and z of every lobe.
 [[nodiscard]] ExrImage comparison_image(const Stack& stack, const std::vector<RunResult>& runs,
                                         const std::vector<LobeComparison>& lobes,
-                                        Estimator estimator, const Options& options);
+                                        const Options& options);
 
 /// Writes a PNG picture of each comparison whose truth or model has energy; returns their number.
 int write_comparison_pictures(const std::string& folder, const std::string& model,

@@ -141,13 +141,22 @@ void add_run_options(CLI::App& command, Options& options, std::string& walks) {
                   "Stop at this largest relative standard error of the lobe energies above 1e-3")
       ->transform(positive_number())
       ->type_name("E");
-  command.add_option("--time", options.seconds, "Stop after S seconds per incident direction")
+  command
+      .add_option("--time", options.seconds,
+                  "Stop after S seconds per incident direction; the solver: in all")
       ->transform(positive_number())
       ->type_name("S");
   add_max_order(command, options);
   command.add_option("--estimator", options.estimator, "How light is counted (default auto)")
-      ->transform(one_of({"auto", "analog", "next-event"}))
-      ->type_name("auto|analog|next-event");
+      ->transform(one_of({"auto", "analog", "next-event", "deterministic"}))
+      ->type_name("auto|analog|next-event|deterministic");
+  command
+      .add_option(
+          "--tolerance", options.tolerance,
+          "Largest error of the deterministic solver, relative to the mean over the azimuth "
+          "(default 1e-6)")
+      ->transform(positive_number())
+      ->type_name("E");
   add_seed_and_threads(command, options);
   command.add_option("--isa", options.isa, "Instruction set of the kernels (default auto)")
       ->transform(one_of({"auto", "scalar"}))
@@ -262,6 +271,10 @@ int run_program(int argc, char** argv) {
   }
   if (!options.json.empty() && options.json != "-") check_output_file(options.json);
   if (!walks.empty()) options.walks = parse_walks(walks);
+  for (const CLI::App* command : app.get_subcommands())
+    for (const char* name : {"--walks", "--target-error", "--max-order", "--time"})
+      if (const CLI::Option* option = command->get_option_no_throw(name); option && *option)
+        options.walk_options.emplace_back(name);
 
   std::optional<tbb::global_control> limit;
   const int threads = options.threads ? options.threads : tbb::this_task_arena::max_concurrency();

@@ -122,12 +122,6 @@ StopRule stop_rule(const Options& options) {
   return {options.walks, options.target_error, options.seconds};
 }
 
-Estimator estimator_of(const Options& options, Estimator automatic) {
-  if (options.estimator == "analog") return Estimator::analog;
-  if (options.estimator == "next-event") return Estimator::next_event;
-  return automatic;
-}
-
 double theta_degrees(Direction w) {
   const double theta = std::atan2(std::hypot(w.x, w.y), w.z) * 180 / kPi;
   return std::round(theta * 1e9) / 1e9;

@@ -33,6 +33,9 @@ struct Options {
   std::uint64_t walks = 1000000;
   std::optional<double> target_error{}, seconds{};
   std::uint64_t max_order = 1000;
+  /// Options that were given and that only walks have a use for, such as "--walks".
+  std::vector<std::string> walk_options{};
+  double tolerance = 1e-6;  ///< of the deterministic solver
   std::string grid = "16x32";
   std::string estimator = "auto";
   std::uint64_t seed = 1;
@@ -59,8 +62,6 @@ struct Options {
 [[nodiscard]] std::uint64_t parse_walks(const std::string& text);
 [[nodiscard]] Stack stack_of(const Options& options);
 [[nodiscard]] StopRule stop_rule(const Options& options);
-/// The estimator that is used for `auto`, or the one asked for.
-[[nodiscard]] Estimator estimator_of(const Options& options, Estimator automatic);
 
 /// Polar angle and azimuth in degrees, rounded to what a user typed.
 [[nodiscard]] double theta_degrees(Direction w);

@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kPoints = 4;  // per panel and dimension
 constexpr int kMaxPanels = 32;
-constexpr double kAbsoluteShare = 1e-3;
 
 using Values = std::vector<Rgb>;  // per order and all
 
@@ -76,7 +75,7 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   for (std::size_t o = 0; o < a.size(); ++o)
     for (int c = 0; c < 3; ++c) {
       const double allowed =
-          kProjectionTolerance * std::max(std::abs(b[o][c]), kAbsoluteShare * scale[o][c]);
+          kProjectionTolerance * std::max(std::abs(b[o][c]), kProjectionFloor * scale[o][c]);
       if (std::abs(a[o][c] - b[o][c]) > allowed) return false;
     }
   return true;

@@ -17,10 +17,12 @@ struct ProjectedLobes {
 
 /// Relative accuracy of a projected cell: what a comparison may not hold against a model.
 inline constexpr double kProjectionTolerance = 1e-4;
+/// Share of the lobe's mean below which a cell's value no longer counts in that.
+inline constexpr double kProjectionFloor = 1e-3;
 
 /// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
-/// less than kProjectionTolerance of itself (or of 1e-3 of the lobe's mean). `up`: the side w_o
-/// lies on; channels: 1 or 3. Runs in the calling thread's task arena.
+/// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean). `up`: the
+/// side w_o lies on; channels: 1 or 3. Runs in the calling thread's task arena.
 [[nodiscard]] ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
                                      const CellGrid& grid, bool up, int channels);
 

@@ -4,11 +4,13 @@
 #include <vector>
 
 #include "analytic/model.h"
+#include "volume/deterministic.h"
 #include "volume/simulation.h"
 
 namespace lamella {
 
-/// f of a stack at a pair of directions by simulation, with its standard error per channel.
+/// f of a stack at a pair of directions with its standard error, or the solver's bound, per
+/// channel.
 struct TruthValue {
   Rgb f, standard_error;
 };
@@ -23,5 +25,10 @@ struct TruthValue {
                                                std::uint64_t walks, std::uint64_t max_order,
                                                std::uint64_t seed,
                                                const std::atomic<bool>* interrupted = nullptr);
+
+/// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
+/// own cosines. standard_error is each pair's error bound.
+[[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
+                                               const std::vector<DirectionPair>& pairs);
 
 }  // namespace lamella

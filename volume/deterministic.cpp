@@ -368,10 +368,10 @@ std::vector<DeterministicEnergies> DeterministicSolution::energies(
         for (int order = 0; order < kSolvedOrders; ++order) {
           e.reflected[order][channel] = reflected[order];
           if (stack_.is_open_below()) e.transmitted[order][channel] = transmitted[order];
+          if (stack_.is_half_space()) e.escaped[order][channel] = transmitted[order];
         }
         e.uncollided[channel] = side.direct_in[column];
         e.absorbed[channel] = side.absorbed[column];
-        if (stack_.is_half_space()) e.escaped[channel] = transmitted[4];
       }
     }
   }

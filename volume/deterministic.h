@@ -47,10 +47,11 @@ struct DeterministicValue {
 struct DeterministicEnergies {
   std::array<Rgb, kSolvedOrders> reflected, transmitted;
   Rgb uncollided, absorbed;
-  Rgb escaped;  ///< lost to the depth of a half space (one-sided flakes that face down)
+  /// Lost to the depth of a half space (one-sided flakes that face down), by order like the others.
+  std::array<Rgb, kSolvedOrders> escaped;
 
   [[nodiscard]] Rgb sum() const {
-    return reflected[4] + transmitted[4] + uncollided + absorbed + escaped;
+    return reflected[4] + transmitted[4] + uncollided + absorbed + escaped[4];
   }
 };
 

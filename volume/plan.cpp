@@ -7,7 +7,15 @@
 namespace lamella {
 
 std::string to_text(Estimator estimator) {
-  return estimator == Estimator::analog ? "analog" : "next-event";
+  switch (estimator) {
+    case Estimator::analog:
+      return "analog";
+    case Estimator::next_event:
+      return "next-event";
+    case Estimator::deterministic:
+      break;
+  }
+  return "deterministic";
 }
 
 Plan make_plan(const Stack& stack, std::uint64_t max_order) {

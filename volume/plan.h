@@ -9,7 +9,9 @@
 
 namespace lamella {
 
-enum class Estimator { analog, next_event };
+/// analog: photons counted in cells; next_event: every collision seen from every cell or point;
+/// deterministic: adding and doubling (deterministic.h), without walks.
+enum class Estimator { analog, next_event, deterministic };
 
 [[nodiscard]] std::string to_text(Estimator estimator);
 

@@ -37,6 +37,7 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
     : stack_(stack),
       plan_(plan),
       incident_(checked_incident(stack, incident)),
+      estimator_(estimator),
       seed_(seed),
       walk_stack_(stack_, plan_),
       batches_(kBatches) {
@@ -52,6 +53,7 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
     : stack_(stack),
       plan_(plan),
       incident_(checked_incident(stack, incident)),
+      estimator_(Estimator::next_event),
       seed_(seed),
       points_(std::move(points)),
       walk_stack_(stack_, plan_),
@@ -169,6 +171,7 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
 RunResult reduce(const Simulation& simulation) {
   RunResult run;
   run.incident = simulation.incident();
+  run.estimator = simulation.estimator();
   run.grid = simulation.targets().grid;
   run.channels = simulation.plan().channels;
   run.walks = simulation.walks();
@@ -186,11 +189,6 @@ RunResult reduce(const Simulation& simulation) {
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.unresolved[c]; });
   }
   return run;
-}
-
-double ledger_sum(const RunResult& run, int c) {
-  return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
-         run.absorbed[c].value + run.unresolved[c].value;
 }
 
 double largest_relative_error(const Simulation& simulation) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "volume/plan.h"
+#include "volume/run_result.h"
 #include "volume/scorers.h"
 #include "volume/tally.h"
 
@@ -41,6 +42,7 @@ class Simulation {
   [[nodiscard]] const CellTargets& targets() const { return targets_; }
   [[nodiscard]] Direction incident() const { return incident_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
+  [[nodiscard]] Estimator estimator() const { return estimator_; }
 
  private:
   using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;
@@ -50,6 +52,7 @@ class Simulation {
   Stack stack_;
   Plan plan_;
   Direction incident_;
+  Estimator estimator_;
   std::uint64_t seed_;
   std::uint64_t walks_ = 0;
   CellTargets targets_;
@@ -59,36 +62,8 @@ class Simulation {
   RunBatch run_batch_;
 };
 
-/// One lobe on the cells of one side: mean of f over each cell, [channel][cell], with standard
-/// errors.
-struct LobeEstimate {
-  std::vector<double> value, standard_error;
-};
-
-/// What simulate gives for one incident direction; sides are relative to it.
-struct SideResult {
-  std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
-  std::array<Estimate, 3> specular{};  ///< the part of it that met delta flakes only
-  std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
-  /// Lobes 1, 2, 3, 4+, all; empty if light cannot leave here.
-  std::array<LobeEstimate, kTallyOrders + 1> lobes{};
-};
-
-struct RunResult {
-  Direction incident{};
-  CellGrid grid;
-  int channels = 1;
-  std::uint64_t walks = 0, collisions = 0;
-  double seconds = 0;
-  SideResult reflected, transmitted;
-  std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
-};
-
 /// Reduces the batches of a simulation on cells, in batch order.
 [[nodiscard]] RunResult reduce(const Simulation& simulation);
-
-/// The sum of all parts of the ledger, 1 up to rounding.
-[[nodiscard]] double ledger_sum(const RunResult& run, int channel);
 
 /// The index of side and cell among the targets of a tally.
 [[nodiscard]] inline int target_of(const CellTargets& targets, bool up, int cell) {

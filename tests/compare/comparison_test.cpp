@@ -55,7 +55,7 @@ struct Setting {
       ProjectedLobes model = exact[side];
       for (auto& lobe : model.lobes)
         for (double& f : lobe) f *= factor;
-      for (LobeComparison& l : compare(simulation, run, model, side == 0))
+      for (LobeComparison& l : compare(run, &simulation, model, side == 0))
         lobes.push_back(std::move(l));
     }
     std::vector<LobeComparison*> all;
@@ -189,7 +189,7 @@ TEST(Comparison, TakesNoArrivalsForADifferenceWhereTheModelHasLight) {
   for (double& f : model.lobes[kOrders]) f = 0.1 / kPi;
   Simulation simulation(setting.stack, setting.plan, setting.wi, Estimator::analog, kGrid, 1);
   simulation.advance(1000);
-  auto lobes = compare(simulation, reduce(simulation), model, true);
+  auto lobes = compare(reduce(simulation), &simulation, model, true);
   decide({&lobes.back()});
   EXPECT_EQ(lobes.back().verdict, Verdict::differs);
   EXPECT_TRUE(std::isinf(lobes.back().relative_rmse));

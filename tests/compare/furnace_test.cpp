@@ -20,7 +20,7 @@ FurnaceRun judged(const Stack& stack, Estimator estimator, std::uint64_t walks, 
   Simulation simulation(stack, make_plan(stack, max_order), direction_from_degrees(60, 0),
                         estimator, kGrid, seed);
   simulation.advance(walks);
-  return judge_furnace(simulation, white, level);
+  return judge_furnace(reduce(simulation), &simulation, white, level);
 }
 
 TEST(Furnace, OfAWhiteSlabPasses) {
@@ -65,11 +65,13 @@ TEST(Furnace, FailsWhereTheEstimatorIsOffByThreePercent) {
   Simulation simulation(stack, make_plan(stack), direction_from_degrees(60, 0),
                         Estimator::next_event, kGrid, 1);
   simulation.advance(50000);
-  EXPECT_EQ(judge_furnace(simulation, true, kLevel).verdict, FurnaceVerdict::pass);
+  EXPECT_EQ(judge_furnace(reduce(simulation), &simulation, true, kLevel).verdict,
+            FurnaceVerdict::pass);
   // The batches of a simulation are read-only for good reasons; here one has to be wrong.
   for (const BatchTally& batch : simulation.batches())
     for (double& f : const_cast<BatchTally&>(batch).f) f *= 1.03;
-  EXPECT_EQ(judge_furnace(simulation, true, kLevel).verdict, FurnaceVerdict::fail);
+  EXPECT_EQ(judge_furnace(reduce(simulation), &simulation, true, kLevel).verdict,
+            FurnaceVerdict::fail);
 }
 
 TEST(Furnace, RadianceOfAOneSidedSlabIsAsPredicted) {

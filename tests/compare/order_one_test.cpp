@@ -39,7 +39,7 @@ std::vector<double> p_values(const Stack& stack, Direction wi) {
     for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
       Simulation truth(stack, plan, wi, estimator, grid, 3);
       truth.advance(estimator == Estimator::analog ? 120000 : 26000);
-      for (const LobeComparison& l : compare(truth, reduce(truth), projected, reflected))
+      for (const LobeComparison& l : compare(reduce(truth), &truth, projected, reflected))
         if (l.order == Order::one) p.push_back(l.p_value);
     }
   }

@@ -1,0 +1,68 @@
+#include "compare/estimator_choice.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "phase/parameters.h"
+
+namespace lamella {
+namespace {
+
+// What `auto` lets the solver spend: beyond it walks are the faster way to a useful answer.
+constexpr int kTrialNodes = 64, kTrialModes = 64;
+constexpr double kTrialSeconds = 20;
+constexpr double kSeconds = 60;  // of a solution that was asked for, unless --time says otherwise
+// The rest of the tolerance is for the quadrature over cells.
+constexpr double kSolverShare = 0.5;
+
+std::string cost_of(const DeterministicAccuracy& a) {
+  return fmt::format("{:.1e} with {} nodes and {} modes", a.error, a.nodes, a.modes);
+}
+
+}  // namespace
+
+void check_estimator(const Stack& stack, const Options& options) {
+  if (options.estimator != "deterministic") return;
+  if (const auto reason = why_not_deterministic(stack))
+    throw UsageError(fmt::format(
+        "--estimator: found \"deterministic\" for {}, but {}; allowed: auto, analog, next-event",
+        stack.name, *reason));
+}
+
+EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Estimator of_walks) {
+  if (options.estimator == "analog") return {Estimator::analog, "asked for", nullptr};
+  if (options.estimator == "next-event") return {Estimator::next_event, "asked for", nullptr};
+  check_estimator(stack, options);
+  DeterministicOptions solver{.tolerance = kSolverShare * options.tolerance};
+  if (options.estimator == "deterministic") {
+    solver.max_seconds = options.seconds.value_or(kSeconds);
+    const auto solution =
+        std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+    return {Estimator::deterministic, "asked for", solution};
+  }
+  if (!options.walk_options.empty())
+    return {of_walks, fmt::format("{} asks for walks", options.walk_options.front()), nullptr};
+  if (const auto reason = why_not_deterministic(stack)) return {of_walks, *reason, nullptr};
+  solver.max_nodes = kTrialNodes;
+  solver.max_modes = kTrialModes;
+  solver.max_seconds = kTrialSeconds;
+  const auto solution =
+      std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+  const DeterministicAccuracy& reached = solution->accuracy();
+  if (reached.reached)
+    return {Estimator::deterministic, "the solver reaches " + cost_of(reached), solution};
+  return {of_walks,
+          fmt::format("the solver reaches no more than {}, short of --tolerance {}",
+                      cost_of(reached), to_text(options.tolerance)),
+          nullptr};
+}
+
+std::string estimator_text(const EstimatorChoice& choice, const Options& options) {
+  return fmt::format("{} estimator{}, {}", to_text(choice.estimator),
+                     options.estimator == "auto" ? fmt::format(" (auto: {})", choice.reason) : "",
+                     choice.solution ? fmt::format("tolerance {}", to_text(options.tolerance))
+                                     : fmt::format("seed {}", options.seed));
+}
+
+}  // namespace lamella

@@ -1,0 +1,60 @@
+#include "compare/ground_truth.h"
+
+#include <fmt/format.h>
+
+#include "volume/deterministic_run.h"
+
+namespace lamella {
+namespace {
+
+void warn_of_accuracy(const RunResult& run, const Options& options) {
+  const DeterministicAccuracy& a = *run.accuracy;
+  if (a.reached) return;
+  fmt::print(stderr,
+             "lamella: warning: theta_i {:g}: the solver's bound is {:.1e} at worst after {} nodes "
+             "and {} modes, short of --tolerance {}; each value has its own bound\n",
+             theta_degrees(run.incident), a.error, a.nodes, a.modes, to_text(options.tolerance));
+}
+
+}  // namespace
+
+GroundTruth::GroundTruth(const Stack& stack, const Options& options, CellGrid grid,
+                         Estimator of_walks)
+    : stack_(stack),
+      options_(options),
+      grid_(grid),
+      of_walks_(of_walks),
+      plan_(make_plan(stack, options.max_order)),
+      directions_(incident_directions(options, stack)) {
+  check_estimator(stack, options);
+}
+
+const EstimatorChoice& GroundTruth::choice() {
+  if (choice_) return *choice_;
+  choice_ = choose_estimator(stack_, options_, of_walks_);
+  if (choice_->solution) {
+    for (const std::string& option : options_.walk_options)
+      if (option != "--time")
+        fmt::print(stderr, "lamella: warning: {} means nothing to the deterministic estimator\n",
+                   option);
+    solved_ = deterministic_runs(*choice_->solution, plan_, directions_, grid_, options_.tolerance);
+  }
+  return *choice_;
+}
+
+Truth GroundTruth::find(std::size_t k) {
+  const Direction wi = directions_[k];
+  const Estimator estimator = choice().estimator;
+  Truth truth;
+  if (estimator == Estimator::deterministic) {
+    truth.run = solved_[k];
+    warn_of_accuracy(truth.run, options_);
+    return truth;
+  }
+  truth.batches = std::make_unique<Simulation>(stack_, plan_, wi, estimator, grid_, options_.seed);
+  truth.run =
+      run_with_progress(*truth.batches, options_, fmt::format("theta_i {:g}", theta_degrees(wi)));
+  return truth;
+}
+
+}  // namespace lamella

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "compare/estimator_choice.h"
+#include "compare/options.h"
+#include "volume/run_result.h"
+#include "volume/simulation.h"
+
+namespace lamella {
+
+/// What was found for one incident direction.
+struct Truth {
+  RunResult run;
+  /// The batches that `run` was reduced from: their scatter is its noise. None where the solver
+  /// found it: `run` then has error bounds.
+  std::unique_ptr<Simulation> batches;
+};
+
+/// Where the commands get their truth from, whichever estimator finds it: one per incident
+/// direction of a stack.
+class GroundTruth {
+ public:
+  /// `of_walks`: the estimator of walks where the options leave the choice. Throws UsageError where
+  /// directions or estimator do not suit the stack.
+  GroundTruth(const Stack& stack, const Options& options, CellGrid grid, Estimator of_walks);
+
+  [[nodiscard]] const Plan& plan() const { return plan_; }
+  [[nodiscard]] const std::vector<Direction>& directions() const { return directions_; }
+
+  /// The estimator and why it was chosen; the first call may solve the stack.
+  [[nodiscard]] const EstimatorChoice& choice();
+  [[nodiscard]] Estimator estimator() { return choice().estimator; }
+
+  /// The truth of the k-th direction, with progress on a terminal. Ctrl-C ends a walk at the next
+  /// checkpoint and sets `interrupted`. Says on stderr where less was reached than was asked for.
+  [[nodiscard]] Truth find(std::size_t k);
+
+ private:
+  Stack stack_;
+  Options options_;
+  CellGrid grid_;
+  Estimator of_walks_;
+  Plan plan_;
+  std::vector<Direction> directions_;
+  std::optional<EstimatorChoice> choice_;
+  std::vector<RunResult> solved_;  // one per direction, once the solver was used
+};
+
+}  // namespace lamella

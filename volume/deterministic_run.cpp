@@ -1,0 +1,369 @@
+#include "volume/deterministic_run.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "phase/single_scattering.h"
+#include "volume/cell_quadrature.h"
+#include "volume/quadrature.h"
+
+namespace lamella {
+namespace {
+
+// Panels in mu that hold whole rows of cells, and how many points the first round gives each.
+constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 24;
+// Shares of the tolerance for the quadratures in mu and of order 1.
+constexpr double kQuadratureShare = 0.1;
+constexpr int kModeOrders = 3;  // orders 2, 3, 4+
+
+// Rows of cells with the points that sample them, in a parameter t from 0 to 1 of the elevation e,
+// mu = sin e: odd modes behave like the sine of the polar angle, which is smooth in the angle only.
+struct Panel {
+  int first_row, end_row;
+  double low, high;  // elevations
+  int points = kPoints;
+
+  // Radiance behaves like mu log mu at grazing: e = high t^3 makes that smooth.
+  [[nodiscard]] bool grazes() const { return low == 0; }
+  [[nodiscard]] double elevation(double t) const {
+    return grazes() ? high * t * t * t : low + (high - low) * t;
+  }
+  [[nodiscard]] double mu(double t) const { return std::sin(elevation(t)); }
+  // d mu / dt
+  [[nodiscard]] double slope(double t) const {
+    return std::cos(elevation(t)) * (grazes() ? 3 * high * t * t : high - low);
+  }
+  [[nodiscard]] double parameter(double m) const {
+    const double e = std::asin(m);
+    return grazes() ? std::cbrt(e / high) : (e - low) / (high - low);
+  }
+};
+
+std::vector<Panel> make_panels(const CellGrid& grid) {
+  std::vector<Panel> panels;
+  const int count = std::min(grid.rows(), kPanels);
+  for (int p = 0; p < count; ++p) {
+    const int first = p * grid.rows() / count, end = (p + 1) * grid.rows() / count;
+    panels.push_back({first, end, std::asin(grid.edge_mu(end)), std::asin(grid.edge_mu(first))});
+  }
+  return panels;
+}
+
+// Weights of a panel's points for the cosine-weighted mean over each of its rows: the integral of
+// the interpolating polynomial.
+Eigen::MatrixXd row_weights(const Panel& panel, const CellGrid& grid) {
+  const Quadrature& nodes = cached_gauss_legendre(panel.points);
+  const Quadrature& rule = cached_gauss_legendre(panel.points + 4);
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(panel.end_row - panel.first_row, panel.points);
+  for (int row = panel.first_row; row < panel.end_row; ++row) {
+    const double t0 = panel.parameter(grid.edge_mu(row + 1));
+    const double t1 = panel.parameter(grid.edge_mu(row));
+    double size = 0;
+    for (Eigen::Index k = 0; k < rule.points.size(); ++k) {
+      const double t = t0 + (t1 - t0) * rule.points[k];
+      const double measure = rule.weights[k] * panel.mu(t) * panel.slope(t);
+      size += measure;
+      for (int j = 0; j < panel.points; ++j) {
+        double basis = 1;
+        for (int l = 0; l < panel.points; ++l)
+          if (l != j) basis *= (t - nodes.points[l]) / (nodes.points[j] - nodes.points[l]);
+        weights(row - panel.first_row, j) += measure * basis;
+      }
+    }
+    weights.row(row - panel.first_row) /= size;
+  }
+  return weights;
+}
+
+// Rows k: values at a panel's points to the k-th coefficient of their Legendre series.
+Eigen::MatrixXd legendre_transform(int points) {
+  const Quadrature& nodes = cached_gauss_legendre(points);
+  Eigen::MatrixXd transform(points, points);
+  for (int j = 0; j < points; ++j) {
+    const double x = 2 * nodes.points[j] - 1;
+    double before = 0, now = 1;
+    for (int k = 0; k < points; ++k) {
+      transform(k, j) = (2 * k + 1) * nodes.weights[j] * now;
+      const double next = ((2 * k + 1) * x * now - k * before) / (k + 1);
+      before = now;
+      now = next;
+    }
+  }
+  return transform;
+}
+
+// What the terms beyond the last leave of an error in the means over a panel's rows, from the decay
+// of the last two thirds of the series. Gauss's rule sees a whole panel to twice the degree of the
+// interpolation that serves its parts.
+double series_error(const Eigen::VectorXd& coefficients, bool one_row) {
+  const Eigen::Index n = coefficients.size(), third = n / 3;
+  const double middle = coefficients.segment(n - 2 * third, third).cwiseAbs().maxCoeff();
+  const double last = coefficients.tail(third).cwiseAbs().maxCoeff();
+  if (last == 0) return 0;
+  const double decay = std::min(1.0, last / std::max(middle, last));
+  return last * std::pow(decay, one_row ? 3 : 0.5);
+}
+
+// Means over one row of cells.
+struct RowModes {
+  std::array<std::vector<double>, kModeOrders> mode;  // of orders 2, 3, 4+
+  double mean = 0;                                    // over the azimuth, all orders
+  double error = 0;                                   // of all orders together, but order 1
+};
+
+class RowSampler {
+ public:
+  RowSampler(const DeterministicSolution& solution, const CellGrid& grid, int channels,
+             bool both_sides, std::vector<double> mu_i, double tolerance)
+      : solution_(solution),
+        grid_(grid),
+        channels_(channels),
+        sides_(both_sides ? 2 : 1),
+        mu_i_(std::move(mu_i)),
+        tolerance_(tolerance),
+        rows_(mu_i_.size() * channels * sides_ * grid.rows()) {
+    std::vector<Panel> panels = make_panels(grid);
+    while (!panels.empty()) panels = sample(panels);
+  }
+
+  [[nodiscard]] const RowModes& row(std::size_t i, int channel, bool up, int row) const {
+    return rows_[index(i, channel, up, row)];
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(std::size_t i, int channel, bool up, int row) const {
+    return ((i * channels_ + channel) * sides_ + (up ? 0 : 1)) * grid_.rows() + row;
+  }
+
+  // Solves for the panels' points; returns those that need more of them.
+  std::vector<Panel> sample(const std::vector<Panel>& panels) {
+    std::vector<double> mu_o;
+    for (const Panel& panel : panels) {
+      const Quadrature& nodes = cached_gauss_legendre(panel.points);
+      for (int j = 0; j < panel.points; ++j) mu_o.push_back(panel.mu(nodes.points[j]));
+    }
+    const std::size_t below = mu_o.size();
+    if (sides_ == 2)
+      for (std::size_t o = 0; o < below; ++o) mu_o.push_back(-mu_o[o]);
+    const DeterministicField field = solution_.field(mu_i_, mu_o);
+    std::vector<Panel> refined;
+    std::size_t first = 0;
+    for (const Panel& panel : panels) {
+      const Eigen::MatrixXd weights = row_weights(panel, grid_);
+      const Eigen::MatrixXd transform = legendre_transform(panel.points);
+      std::atomic<bool> good = true;
+      tbb::parallel_for(std::size_t{0}, mu_i_.size(), [&](std::size_t i) {
+        for (int channel = 0; channel < channels_; ++channel)
+          for (int side = 0; side < sides_; ++side)
+            if (!take(panel, weights, transform, field, i, channel, side == 0,
+                      first + side * below))
+              good = false;
+      });
+      first += panel.points;
+      if (!good && panel.points < kMaxPoints) {
+        refined.push_back(panel);
+        refined.back().points *= 2;
+      }
+    }
+    return refined;
+  }
+
+  // Whether the panel's points are enough for this direction, channel and side.
+  bool take(const Panel& panel, const Eigen::MatrixXd& weights, const Eigen::MatrixXd& transform,
+            const DeterministicField& field, std::size_t i, int channel, bool up,
+            std::size_t first) {
+    const int n = panel.points, rows = panel.end_row - panel.first_row;
+    const int modes = field.modes(channel);
+    Eigen::VectorXd mean(n), error(n);
+    for (int j = 0; j < n; ++j) {
+      mean[j] = field.mean(channel, i, first + j);
+      error[j] = field.multiple(i, first + j, 0).error[channel];
+    }
+    double left = 0;
+    Eigen::MatrixXd values(n, kModeOrders);
+    std::vector<Eigen::MatrixXd> means;
+    for (int m = 0; m < modes; ++m) {
+      for (int j = 0; j < n; ++j)
+        for (int order = 0; order < kModeOrders; ++order)
+          values(j, order) = field.mode(channel, order + 1, m, i, first + j);
+      means.emplace_back(weights * values);
+      left += (m == 0 ? 1 : 2) * series_error(transform * values.rowwise().sum(), rows == 1);
+    }
+    const Eigen::VectorXd row_mean = weights * mean, row_error = weights.cwiseAbs() * error;
+    for (int r = 0; r < rows; ++r) {
+      RowModes& row = rows_[index(i, channel, up, panel.first_row + r)];
+      row.mean = row_mean[r];
+      row.error = row_error[r] + left;
+      for (int order = 0; order < kModeOrders; ++order) {
+        row.mode[order].resize(modes);
+        for (int m = 0; m < modes; ++m) row.mode[order][m] = means[m](r, order);
+      }
+    }
+    return left <= kQuadratureShare * tolerance_ * row_mean.minCoeff();
+  }
+
+  const DeterministicSolution& solution_;
+  const CellGrid& grid_;
+  int channels_, sides_;
+  std::vector<double> mu_i_;
+  double tolerance_;
+  std::vector<RowModes> rows_;
+};
+
+// Mean over a column of cells of cos(m (pi - phi)), by column and mode.
+Eigen::MatrixXd column_cosines(const CellGrid& grid, int modes) {
+  Eigen::MatrixXd cosines(grid.columns(), modes);
+  const double width = grid.edge_phi(1);
+  for (int column = 0; column < grid.columns(); ++column)
+    for (int m = 0; m < modes; ++m) {
+      const double half = m * width / 2;
+      cosines(column, m) = std::cos(m * (kPi - grid.edge_phi(column) - width / 2)) *
+                           (m == 0 ? 1 : std::sin(half) / half);
+    }
+  return cosines;
+}
+
+// Order 1 on the cells of one side.
+std::vector<CellMean> single_scattering_cells(const Stack& stack, const CellGrid& grid,
+                                              Direction wi, bool up,
+                                              const std::vector<Rgb>& tolerance_of_row) {
+  std::vector<CellMean> cells(grid.cells());
+  // Mirror flakes and strong forward scattering peak about the mirror direction and straight on.
+  const double mu_i = std::abs(wi.z);
+  const std::vector<std::pair<double, double>> peaks{{mu_i, 0}, {mu_i, kPi}, {mu_i, 2 * kPi}};
+  const double turn = azimuth(wi), side = up ? 1 : -1;
+  tbb::parallel_for(0, grid.cells(), [&](int cell) {
+    const int row = cell / grid.columns(), column = cell % grid.columns();
+    cells[cell] = cell_mean(
+        [&](double mu, double phi) {
+          const SingleScattering s =
+              single_scattering(stack, wi, direction_from_mu_phi(side * mu, turn + phi));
+          return s.layers + s.substrate;
+        },
+        {grid.edge_mu(row + 1), grid.edge_mu(row), grid.edge_phi(column),
+         grid.edge_phi(column + 1)},
+        tolerance_of_row[row], peaks);
+  });
+  return cells;
+}
+
+struct Assembly {
+  const DeterministicSolution& solution;
+  const RowSampler& sampler;
+  const CellGrid& grid;
+  int channels;
+  double tolerance;
+
+  // The lobes of one side; returns the largest error of a cell relative to the mean of its row.
+  double lobes(SideResult& side, std::size_t i, Direction wi, bool up) const {
+    const std::size_t cells = grid.cells();
+    for (LobeEstimate& lobe : side.lobes) {
+      lobe.value.assign(channels * cells, 0);
+      lobe.standard_error.assign(channels * cells, 0);
+    }
+    std::vector<Rgb> allowed(grid.rows());
+    for (int row = 0; row < grid.rows(); ++row)
+      for (int c = 0; c < 3; ++c)
+        allowed[row][c] = kQuadratureShare * std::max(tolerance, 1e-12) *
+                          sampler.row(i, std::min(c, channels - 1), up, row).mean;
+    const std::vector<CellMean> single =
+        single_scattering_cells(solution.stack(), grid, wi, up, allowed);
+    double worst = 0;
+    for (int c = 0; c < channels; ++c) {
+      const int modes = static_cast<int>(sampler.row(i, c, up, 0).mode[0].size());
+      const Eigen::MatrixXd cosines = column_cosines(grid, modes);
+      for (int row = 0; row < grid.rows(); ++row) {
+        const RowModes& means = sampler.row(i, c, up, row);
+        for (int column = 0; column < grid.columns(); ++column) {
+          const int cell = row * grid.columns() + column;
+          const std::size_t k = c * cells + cell;
+          side.lobes[0].value[k] = single[cell].value[c];
+          side.lobes[0].standard_error[k] = single[cell].error[c];
+          double all = single[cell].value[c];
+          for (int order = 0; order < kModeOrders; ++order) {
+            double f = 0;
+            for (int m = 0; m < modes; ++m)
+              f += (m == 0 ? 1 : 2) * means.mode[order][m] * cosines(column, m);
+            side.lobes[order + 1].value[k] = f;
+            side.lobes[order + 1].standard_error[k] = means.error;
+            all += f;
+          }
+          const double error = means.error + single[cell].error[c];
+          side.lobes[kTallyOrders].value[k] = all;
+          side.lobes[kTallyOrders].standard_error[k] = error;
+          if (means.mean > 0) worst = std::max(worst, error / means.mean);
+        }
+      }
+    }
+    return worst;
+  }
+
+  // An energy from the solver's nodes: its error is theirs and how far the cells are from it.
+  [[nodiscard]] Estimate energy(double on_nodes, const SideResult& side, int lobe, int c) const {
+    double off = 0;
+    const std::size_t cells = grid.cells();
+    if (!side.lobes[lobe].value.empty()) {
+      double sum = 0;
+      for (std::size_t k = 0; k < cells; ++k) sum += side.lobes[lobe].value[c * cells + k];
+      off = std::abs(grid.projected_solid_angle() * sum - on_nodes);
+    }
+    return {on_nodes, off + solution.accuracy().node_error * std::abs(on_nodes)};
+  }
+
+  void energies(SideResult& side, const std::array<Rgb, kSolvedOrders>& on_nodes) const {
+    for (int c = 0; c < channels; ++c) {
+      for (int o = 0; o < kTallyOrders; ++o) side.orders[o][c] = energy(on_nodes[o][c], side, o, c);
+      side.total[c] = energy(on_nodes[kTallyOrders][c], side, kTallyOrders, c);
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution, const Plan& plan,
+                                          std::span<const Direction> incident, CellGrid grid,
+                                          double tolerance) {
+  const auto start = std::chrono::steady_clock::now();
+  grid.folded = plan.folded && grid.phi_cells % 2 == 0;
+  std::vector<double> mu_i;
+  for (const Direction wi : incident) mu_i.push_back(with_grazing_limit(wi).z);
+  const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i, tolerance);
+  const std::vector<DeterministicEnergies> energies = solution.energies(mu_i);
+  const Assembly assembly{solution, sampler, grid, plan.channels, tolerance};
+  std::vector<RunResult> runs(incident.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    RunResult& run = runs[i];
+    run.incident = with_grazing_limit(incident[i]);
+    run.estimator = Estimator::deterministic;
+    run.grid = grid;
+    run.channels = plan.channels;
+    run.accuracy = solution.accuracy();
+    double& error = run.accuracy->error;
+    error = 0;
+    for (const bool reflected : {true, false}) {
+      SideResult& side = reflected ? run.reflected : run.transmitted;
+      const bool up = (run.incident.z > 0) == reflected;
+      if (up || plan.transmits) error = std::max(error, assembly.lobes(side, i, run.incident, up));
+      assembly.energies(side, reflected                          ? energies[i].reflected
+                              : solution.stack().is_half_space() ? energies[i].escaped
+                                                                 : energies[i].transmitted);
+    }
+    run.accuracy->reached = error <= tolerance;
+    for (int c = 0; c < plan.channels; ++c) {
+      const double defect = std::abs(energies[i].sum()[c] - 1);
+      run.uncollided[c] = {energies[i].uncollided[c], 0};
+      run.absorbed[c] = {energies[i].absorbed[c],
+                         defect + solution.accuracy().node_error * energies[i].absorbed[c]};
+    }
+  }
+  const double seconds =
+      solution.accuracy().seconds +
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (RunResult& run : runs) run.seconds = seconds / static_cast<double>(runs.size());
+  return runs;
+}
+
+}  // namespace lamella
