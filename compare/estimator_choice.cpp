@@ -14,7 +14,7 @@ constexpr int kTrialNodes = 64, kTrialModes = 64;
 constexpr double kTrialSeconds = 20;
 constexpr double kSeconds = 60;  // of a solution that was asked for, unless --time says otherwise
 // The rest of the tolerance is for the quadrature over cells.
-constexpr double kSolverShare = 0.5;
+constexpr double kSolverShare = 0.5, kRefinedShare = 0.1;
 
 std::string cost_of(const DeterministicAccuracy& a) {
   return fmt::format("{:.1e} with {} nodes and {} modes", a.error, a.nodes, a.modes);
@@ -56,6 +56,12 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
           fmt::format("the solver reaches no more than {}, short of --tolerance {}",
                       cost_of(reached), to_text(options.tolerance)),
           nullptr};
+}
+
+std::shared_ptr<const DeterministicSolution> refined(const Stack& stack, const Options& options) {
+  return std::make_shared<const DeterministicSolution>(
+      solve_deterministic(stack, {.tolerance = kRefinedShare * options.tolerance,
+                                  .max_seconds = options.seconds.value_or(kSeconds)}));
 }
 
 std::string estimator_text(const EstimatorChoice& choice, const Options& options) {

@@ -24,6 +24,11 @@ struct EstimatorChoice {
 [[nodiscard]] EstimatorChoice choose_estimator(const Stack& stack, const Options& options,
                                                Estimator of_walks);
 
+/// A finer solution than the choice's, where cells miss a tolerance that the solver's probes met:
+/// pairs of directions and the quadratures over cells have errors of their own.
+[[nodiscard]] std::shared_ptr<const DeterministicSolution> refined(const Stack& stack,
+                                                                   const Options& options);
+
 /// For a table: "deterministic estimator (auto: ...), tolerance 1e-6" or "analog estimator, seed
 /// 1".
 [[nodiscard]] std::string estimator_text(const EstimatorChoice& choice, const Options& options);
