@@ -122,7 +122,7 @@ int furnace_command(const Options& options) {
     if (!options.quiet)
       for (int c = 0; c < plan.channels; ++c)
         fmt::print(out,
-                   "  {:>7g} {:>10.6f} {:>9.1e} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} "
+                   "  {:>7g} {:>10.8f} {:>9.1e} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} "
                    "{:>10.6f}  {}\n",
                    theta_degrees(wi), furnace.energy[c].value, furnace.energy[c].standard_error,
                    run.reflected.total[c].value, run.transmitted.total[c].value,
@@ -142,8 +142,8 @@ int furnace_command(const Options& options) {
                            {"predicted_standard_error", check.predicted_error}};
       if (!options.quiet)
         fmt::print(out,
-                   "          radiance under uniform light from both sides: {:.5f} +- {:.1e}, "
-                   "predicted {:.5f} +- {:.1e}\n",
+                   "          radiance under uniform light from both sides: {:.8f} +- {:.1e}, "
+                   "predicted {:.8f} +- {:.1e}\n",
                    check.measured, check.standard_error, check.predicted, check.predicted_error);
     }
     runs.push_back(std::move(entry));

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "volume/deterministic_run.h"
 
 namespace lamella {
@@ -37,7 +39,16 @@ const EstimatorChoice& GroundTruth::choice() {
       if (option != "--time")
         fmt::print(stderr, "lamella: warning: {} means nothing to the deterministic estimator\n",
                    option);
-    solved_ = deterministic_runs(*choice_->solution, plan_, directions_, grid_, options_.tolerance);
+    const auto solve = [&] {
+      solved_ =
+          deterministic_runs(*choice_->solution, plan_, directions_, grid_, options_.tolerance);
+      return std::all_of(solved_.begin(), solved_.end(),
+                         [](const RunResult& run) { return run.accuracy->reached; });
+    };
+    if (!solve() && choice_->solution->accuracy().reached) {
+      choice_->solution = refined(stack_, options_);
+      solve();
+    }
   }
   return *choice_;
 }
