@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMaxParts = 4000;
 constexpr int kPeakHalvings = 7;
+// Strips towards mu = 0, where f may vary like 1 / (mu_i + mu) with a small mu_i.
+constexpr int kGrazingStrips = 4;
 
 using Function = std::function<Rgb(double mu, double phi)>;
 
@@ -68,31 +70,28 @@ CellMean cell_mean(const Function& f, const MuPhiRange& range, Rgb tolerance,
   Rgb value, error;
   const auto add = [&](const AngleRange& r) {
     Part part{r, integral(f, r, 4), {}, 0};
-    part.error = absolute(part.value - integral(f, r, 3));
+    // Twice, because the two rules may be off the same way where f is not smooth.
+    part.error = 2 * absolute(part.value - integral(f, r, 3));
     for (int c = 0; c < 3; ++c)
       part.excess = std::max(part.excess, part.error[c] / std::max(tolerance[c], 1e-300));
     value += part.value;
     error += part.error;
     parts.push(part);
   };
-  std::vector<AngleRange> start{
-      {std::asin(range.mu0), std::asin(range.mu1), range.phi0, range.phi1}};
-  for (int step = 0; step < kPeakHalvings; ++step) {
-    std::vector<AngleRange> finer;
-    for (const AngleRange& r : start) {
-      const bool sharp = std::any_of(peaks.begin(), peaks.end(), [&](const auto& peak) {
-        return holds(r, {std::asin(peak.first), peak.second});
-      });
-      if (!sharp) {
-        finer.push_back(r);
-        continue;
-      }
-      for (const AngleRange& quarter : quarters(r)) finer.push_back(quarter);
-    }
-    if (finer.size() == start.size()) break;
-    start = std::move(finer);
-  }
-  for (const AngleRange& r : start) add(r);
+  // Adds a range in parts that shrink towards the peaks in it.
+  const std::function<void(const AngleRange&, int)> add_halved = [&](const AngleRange& r,
+                                                                     int halvings) {
+    const bool sharp = std::any_of(peaks.begin(), peaks.end(), [&](const auto& peak) {
+      return holds(r, {std::asin(peak.first), peak.second});
+    });
+    if (!sharp || halvings == 0) return add(r);
+    for (const AngleRange& quarter : quarters(r)) add_halved(quarter, halvings - 1);
+  };
+  const double e0 = std::asin(range.mu0);
+  double top = std::asin(range.mu1);
+  for (int strip = 1; e0 == 0 && strip < kGrazingStrips; ++strip, top /= 2)
+    add_halved({top / 2, top, range.phi0, range.phi1}, kPeakHalvings);
+  add_halved({e0, top, range.phi0, range.phi1}, kPeakHalvings);
   CellMean mean;
   const auto within = [&] {
     for (int c = 0; c < 3; ++c)
