@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "volume/forward_projection.h"
+#include "volume/kernel_profiles.h"
 #include "volume/lambert_flake_kernel.h"
-#include "volume/pair_modes.h"
 
 namespace lamella {
 namespace {
@@ -46,19 +46,10 @@ KernelModes sampled(const P& profile, double f0, const DirectionSets& sets, int 
   return kernel;
 }
 
-template <class Ndf>
-KernelModes mirror(const MirrorFlakes<Ndf>& flakes, double ratio, double f0,
-                   const DirectionSets& sets, int modes, bool two_sided) {
-  const double shrink = std::min(1.0, ratio * ratio);
-  const auto profile = Profile{[&](double hxy2, double hz) {
-                                 // Opposite directions: the limit across the vertical plane.
-                                 if (hxy2 == 0 && hz == 0) hxy2 = 1;
-                                 return flakes.ndf.density_of({std::sqrt(hxy2), 0, hz}) / 4;
-                               },
-                               [&](double mu_i, double mu_o, double gap) {
-                                 return gap + shrink * (mu_i + mu_o) * (mu_i + mu_o);
-                               },
-                               true};
+template <class M>
+KernelModes projected(const M& medium, double f0, const DirectionSets& sets, int modes,
+                      bool two_sided) {
+  const auto profile = kernel_profile(medium);
   KernelModes kernel = sampled(profile, f0, sets, modes, two_sided);
   project_forward(profile, f0, sets, two_sided, kernel);
   return kernel;
@@ -67,21 +58,16 @@ KernelModes mirror(const MirrorFlakes<Ndf>& flakes, double ratio, double f0,
 }  // namespace
 
 KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets, int modes) {
-  const auto opposite = [](double mu_i, double mu_o, double gap) {
-    return gap + (mu_i + mu_o) * (mu_i + mu_o);
-  };
   struct Visitor {
     double f0;
     const DirectionSets& sets;
     int modes;
-    const decltype(opposite)& reach;
 
     KernelModes operator()(const MirrorFlakes<Sggx>& m) const {
-      const double ratio = m.ndf.sigma({1, 0, 0}) / m.ndf.sigma({0, 0, 1});
-      return mirror(m, ratio, f0, sets, modes, true);
+      return projected(m, f0, sets, modes, true);
     }
     KernelModes operator()(const MirrorFlakes<Vmf>& m) const {
-      return mirror(m, m.ndf.alpha(), f0, sets, modes, false);
+      return projected(m, f0, sets, modes, false);
     }
     KernelModes operator()(const LambertFlakes<Sggx>& m) const {
       return lambert_flake_modes(m.ndf, sets.out, sets.in, modes);
@@ -89,32 +75,33 @@ KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& s
     KernelModes operator()(const LambertFlakes<Vmf>& m) const {
       return lambert_flake_modes(m.ndf, sets.out, sets.in, modes);
     }
-    KernelModes operator()(const LambertSphere&) const {
-      return sampled(
-          Profile{[](double hxy2, double hz) {
-                    return lambert_sphere_phase(std::max(-1.0, 1 - (hxy2 + hz * hz) / 2));
-                  },
-                  reach, true},
-          1, sets, modes, true);
+    KernelModes operator()(const LambertSphere& m) const {
+      return sampled(kernel_profile(m), 1, sets, modes, true);
     }
     KernelModes operator()(const HenyeyGreenstein& m) const {
-      const double g = std::abs(m.g);
-      const double width = g > 0 ? (1 - g) * (1 - g) / g : 1e3;
-      const bool forward = m.g >= 0;
-      const auto profile = Profile{[&](double hxy2, double hz) {
-                                     return henyey_greenstein_phase(m.g, 1 - (hxy2 + hz * hz) / 2);
-                                   },
-                                   [&](double mu_i, double mu_o, double gap) {
-                                     const double dz = forward ? mu_i + mu_o : mu_i - mu_o;
-                                     return width + gap + dz * dz;
-                                   },
-                                   forward};
-      KernelModes kernel = sampled(profile, 1, sets, modes, true);
-      if (m.g > kPeaked) project_forward(profile, 1, sets, true, kernel);
-      return kernel;
+      return m.g > kPeaked ? projected(m, 1, sets, modes, true)
+                           : sampled(kernel_profile(m), 1, sets, modes, true);
     }
   };
-  return std::visit(Visitor{f0, sets, modes, opposite}, medium);
+  return std::visit(Visitor{f0, sets, modes}, medium);
+}
+
+KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& sets, int modes) {
+  const auto profile = Profile{
+      [&](double hxy2, double hz) {
+        const double cosine = 1 - (hxy2 + hz * hz) / 2;
+        double sum = 0, before = 0, now = 1;
+        for (std::size_t l = 0; l < terms.size(); ++l) {
+          const double order = static_cast<double>(l);
+          sum += terms[l] * now;
+          const double next = ((2 * order + 1) * cosine * now - order * before) / (order + 1);
+          before = now;
+          now = next;
+        }
+        return sum / (4 * kPi);
+      },
+      [](double, double, double) { return 4.0; }, true};
+  return sampled(profile, 1, sets, modes, true);
 }
 
 bool is_same_medium(const Medium& a, const Medium& b) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "phase/medium.h"
@@ -33,6 +34,12 @@ struct KernelModes {
 /// (volume/forward_projection.h).
 [[nodiscard]] KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets,
                                        int modes);
+
+/// The same of particles (sigma = 1) whose phase function is a Legendre series,
+/// p = 1 / (4 pi) sum over l of terms[l] P_l(cosine of the deflection), terms[0] = 1. Series that
+/// dip below 0 are taken as they are.
+[[nodiscard]] KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& sets,
+                                         int modes);
 
 /// Whether two media scatter alike: same kind, same numbers.
 [[nodiscard]] bool is_same_medium(const Medium& a, const Medium& b);

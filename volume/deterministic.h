@@ -15,19 +15,28 @@ struct DeterministicOptions {
   double tolerance = 1e-6;  ///< of f, relative to its mean over the azimuth
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
   int max_nodes = 128;
-  int max_modes = 512;      ///< azimuthal modes
-  double max_seconds = 60;  ///< no finer solution is begun that would end later than this
+  int max_modes = 1024;     ///< azimuthal modes
+  double max_seconds = 60;  ///< a finer solution is not begun where it would end later, and is cut
+                            ///< short at twice that
+  std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables
 };
+
+/// What ended the refinement.
+enum class DeterministicLimit { none, nodes, modes, time, memory };
+
+/// "nodes", "modes", "time" or "memory"; empty where the tolerance was reached.
+[[nodiscard]] std::string to_text(DeterministicLimit limit);
 
 /// What a solution cost and how far it got.
 struct DeterministicAccuracy {
-  bool reached = false;  ///< whether error <= tolerance
-  /// Of f, relative to its mean over the azimuth: change under the last refinement of the nodes at
-  /// probe directions (mu from 0.01 to 1), plus what the azimuthal modes left out would add.
-  /// Transmitted directions within 0.12 rad of going straight on are apart: mirror flakes make a
-  /// singularity there. DeterministicValue carries each pair's own error.
+  bool reached = false;                                 ///< whether error <= tolerance
+  DeterministicLimit limit = DeterministicLimit::none;  ///< what stopped it short of that
+  /// Of f, relative to its mean over the azimuth: the largest change under the last refinement of
+  /// the nodes at probe directions (mu from 0.01 to 1, both grazing and straight on among them),
+  /// plus what the azimuthal modes left out would add. DeterministicValue carries each pair's own.
   double error = 0;
-  double node_error = 0;  ///< the first part of it
+  double node_error = 0;    ///< the first part of it
+  double second_error = 0;  ///< of order 2 of steep media by its modes: apart from node_error
   int nodes = 0, modes = 0;
   double seconds = 0;
   std::size_t bytes = 0;  ///< of the kernels, the largest tables
@@ -40,6 +49,7 @@ inline constexpr int kSolvedOrders = 5;
 struct DeterministicValue {
   std::array<Rgb, kSolvedOrders> order;
   Rgb error;  ///< absolute, of all orders together: nodes, and this pair's own tail of modes
+  bool exact_second = false;  ///< order 2 was integrated directly
 };
 
 /// Shares of what arrives from one direction. absorbed follows from the absorption in the layers,
@@ -61,6 +71,10 @@ class DeterministicField {
   /// f for incoming cosine i and outgoing cosine o of the lists. x = pi - phi, phi the azimuth of
   /// w_o relative to w_i. Orders 2 and up only: order 1 is left at 0.
   [[nodiscard]] DeterministicValue multiple(std::size_t i, std::size_t o, double x) const;
+  /// The same, but where the medium is steep (mirror flakes, a narrow forward peak) and the modes
+  /// of order 2 left out would add more than the tolerance, that order is integrated directly
+  /// (volume/second_order.h; milliseconds).
+  [[nodiscard]] DeterministicValue multiple_refined(std::size_t i, std::size_t o, double x) const;
   /// Mode m of the orders 2 and up (4: their sum) [1/sr]: f = sum over m of (2 - [m = 0]) f_m
   /// cos(m x). What an average over cells of phi needs.
   [[nodiscard]] double mode(int channel, int order, int m, std::size_t i, std::size_t o) const;
@@ -74,14 +88,18 @@ class DeterministicField {
   struct Channel;
   std::vector<std::shared_ptr<const Channel>> channels_;
   std::array<int, 3> channel_of_{};
-  double error_ = 0;
+  std::vector<double> mu_i_, mu_o_;
+  double tolerance_ = 0, error_ = 0, second_error_ = 0;
+
+  [[nodiscard]] DeterministicValue evaluate(std::size_t i, std::size_t o, double x,
+                                            bool may_integrate) const;
 };
 
 /// Light in a stack that is symmetric about z, by adding and doubling over azimuthal modes; the
-/// derivation is in volume/README.md. Single scattering is exact; orders 2, 3 and 4+ come from the
-/// modes, where the orders 1 to 3 are followed as such (successive orders) and 4+ is the rest.
-/// Directions need not be nodes: each becomes a direction without weight, which receives the exact
-/// integral of the source function.
+/// derivation is in volume/DETERMINISTIC.md. Single scattering is exact; orders 2, 3 and 4+ come
+/// from the modes, where the orders 1 to 3 are followed as such (successive orders) and 4+ is the
+/// rest. Directions need not be nodes: each becomes a direction without weight, which receives the
+/// exact integral of the source function.
 class DeterministicSolution {
  public:
   /// f for one pair, mu = 0 as the limit from above, not both. Many pairs are cheaper by `field`.
@@ -100,6 +118,8 @@ class DeterministicSolution {
   friend DeterministicSolution solve_deterministic(const Stack&, const DeterministicOptions&);
   Stack stack_;
   DeterministicAccuracy accuracy_;
+  double tolerance_ = 0;
+  bool steep_ = false;
   std::vector<int> channels_;        // distinct ones
   std::array<int, 3> channel_of_{};  // index into channels_
   std::array<int, 3> modes_{};       // per distinct channel

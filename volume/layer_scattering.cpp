@@ -37,7 +37,19 @@ LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
     sigma_in[side] = projected_areas(medium, sets.in, side == 0 ? 1 : -1);
     sigma_out[side] = projected_areas(medium, sets.out, side == 0 ? 1 : -1);
   }
-  KernelModes kernel = kernel_modes(medium, f0, sets, mode_count);
+  conserve_energy(kernel_modes(medium, f0, sets, mode_count), albedo, f0, sets);
+}
+
+LayerScattering::LayerScattering(KernelModes kernel, double albedo, const DirectionSets& sets) {
+  for (const int side : {0, 1}) {
+    sigma_in[side] = VectorXd::Ones(sets.in.size());
+    sigma_out[side] = VectorXd::Ones(sets.out.size());
+  }
+  conserve_energy(std::move(kernel), albedo, 1, sets);
+}
+
+void LayerScattering::conserve_energy(KernelModes kernel, double albedo, double f0,
+                                      const DirectionSets& sets) {
   const Index n = sets.nodes();
   const VectorXd solid_angle = 2 * kPi * sets.weight;
 

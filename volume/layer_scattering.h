@@ -22,6 +22,11 @@ struct LayerScattering {
 
   LayerScattering(const Medium& medium, double albedo, double f0, const DirectionSets& sets,
                   int modes);
+  /// Particles with that kernel: sigma = 1, the same from both sides.
+  LayerScattering(KernelModes kernel, double albedo, const DirectionSets& sets);
+
+ private:
+  void conserve_energy(KernelModes kernel, double albedo, double f0, const DirectionSets& sets);
 };
 
 }  // namespace lamella

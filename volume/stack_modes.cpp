@@ -32,8 +32,7 @@ void StackModes::prepare(int modes) {
   }
 }
 
-LayerOperator StackModes::mode(int m) {
-  prepare(m + 1);
+LayerOperator StackModes::mode(int m) const {
   const OperatorRules rules{sets_, m, orders_};
   std::vector<LayerOperator> solved;
   for (const Slab& slab : slabs_)
@@ -58,12 +57,9 @@ double StackModes::correction() const {
   return largest;
 }
 
-std::size_t StackModes::bytes() const {
-  std::size_t sum = 0;
-  for (const Kind& kind : kinds_)
-    for (const LayerScattering& s : kind.scattering)
-      sum += s.modes.size() * 4 * s.modes[0][0].size() * sizeof(double);
-  return sum;
+std::size_t StackModes::bytes_of(int modes) const {
+  return kinds_.size() * static_cast<std::size_t>(modes) * 4 *
+         static_cast<std::size_t>(sets_.out.size() * sets_.in.size()) * sizeof(double);
 }
 
 }  // namespace lamella

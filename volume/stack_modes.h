@@ -14,12 +14,16 @@ class StackModes {
   /// orders: how many of the orders 1 to 3 to keep apart.
   StackModes(const Stack& stack, int channel, DirectionSets sets, int orders);
 
-  [[nodiscard]] LayerOperator mode(int m);
+  /// Makes the kernels of at least that many modes. `mode` needs them.
+  void prepare(int modes);
+  /// One mode; several may be asked for at once.
+  [[nodiscard]] LayerOperator mode(int m) const;
   [[nodiscard]] const DirectionSets& sets() const { return sets_; }
   /// Largest relative correction of a node's kernel that conservation of energy asked for.
   [[nodiscard]] double correction() const;
-  /// Bytes held by the kernels' modes.
-  [[nodiscard]] std::size_t bytes() const;
+  /// Bytes held by the kernels' modes; what they would be for that many.
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(ready_); }
+  [[nodiscard]] std::size_t bytes_of(int modes) const;
 
  private:
   struct Kind {
@@ -30,7 +34,6 @@ class StackModes {
     std::size_t kind;
     double depth;
   };
-  void prepare(int modes);
 
   const Stack& stack_;
   int channel_;

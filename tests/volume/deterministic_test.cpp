@@ -4,6 +4,8 @@
 
 #include <boost/math/quadrature/tanh_sinh.hpp>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 #include "phase/single_scattering.h"
@@ -13,6 +15,8 @@ namespace lamella {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool is_soak() { return std::getenv("LAMELLA_SOAK") != nullptr; }
 
 DeterministicSolution solved(const std::string& toml, double tolerance = 1e-7) {
   const DeterministicSolution s = solve_deterministic(stack_of(toml), {.tolerance = tolerance});
@@ -86,6 +90,54 @@ TEST(Deterministic, LambertSpheresAreStableToEightDigitsUnderRefinement) {
   }
 }
 
+// Mirror flakes at their hard places: both directions grazing, straight on and close to it.
+const double kHardPairs[][3] = {{0.01, 0.01, 0},  {0.01, 0.02, 0.3}, {0.07, 0.13, 0},
+                                {0.6, 0.45, 2},   {0.6, -0.6, 0},    {0.6, -0.58, 0.01},
+                                {0.01, -0.01, 0}, {0.02, -0.9, 1},   {-0.3, 0.31, 0}};
+
+void expect_stable(const std::string& medium, double thickness, double tolerance, int nodes,
+                   double limit) {
+  const Stack stack = stack_of(layer(medium, 0.9, thickness));
+  const int finer = nodes * 4 / 3;
+  const auto solve = [&](int n) {
+    return solve_deterministic(
+        stack,
+        {.tolerance = tolerance, .min_nodes = n * 3 / 4, .max_nodes = n, .max_seconds = 1e4});
+  };
+  const DeterministicSolution coarse = solve(nodes), fine = solve(finer);
+  for (const auto& [mu_i, mu_o, x] : kHardPairs) {
+    if (!stack.is_open_below() && (mu_i < 0 || mu_o < 0)) continue;
+    const Direction wi = direction_from_mu_phi(mu_i, 0), wo = direction_from_mu_phi(mu_o, kPi - x);
+    const DeterministicValue a = coarse.f(wi, wo), b = fine.f(wi, wo);
+    const double change = std::abs(a.order[4].r - b.order[4].r);
+    EXPECT_LE(change, a.error.r) << medium << ' ' << mu_i << ' ' << mu_o << ' ' << x;
+    EXPECT_LE(b.error.r, limit * b.order[4].r) << medium << ' ' << mu_i << ' ' << mu_o << ' ' << x;
+    if (is_soak())
+      std::printf(
+          "%s, depth %g: f(%g, %g, x = %g) = %.10e, changes by %.1e, stated %.1e and %.1e\n",
+          medium.c_str(), thickness, mu_i, mu_o, x, b.order[4].r, change / b.order[4].r,
+          a.error.r / a.order[4].r, b.error.r / b.order[4].r);
+  }
+  if (is_soak())
+    std::printf("  %d and %d nodes, %d modes, accuracy %.1e%s, %.1f s\n", coarse.accuracy().nodes,
+                fine.accuracy().nodes, fine.accuracy().modes, fine.accuracy().error,
+                fine.accuracy().reached ? "" : " (not reached)", fine.accuracy().seconds);
+}
+
+TEST(Deterministic, MirrorFlakesAreStableAtGrazingAndStraightOn) {
+  expect_stable(sggx(0.6, "mirror"), 1.5, 1e-5, 16, 1e-4);
+  expect_stable(vmf(0.6, "mirror"), kInfinity, 1e-5, 16, 1e-4);
+}
+
+TEST(DeterministicSoak, MirrorFlakesAreStableToEightDigits) {
+  if (!is_soak()) GTEST_SKIP() << "minutes: set LAMELLA_SOAK";
+  for (const double roughness : {0.5, 0.3})
+    for (const double thickness : {1.5, kInfinity}) {
+      expect_stable(sggx(roughness, "mirror"), thickness, 1e-8, 48, 1e-8);
+      expect_stable(vmf(roughness, "mirror"), thickness, 1e-8, 48, 1e-8);
+    }
+}
+
 TEST(Deterministic, ReflectionIsReciprocal) {
   for (const std::string& medium :
        {kSphere, henyey_greenstein(0.6), sggx(0.4, "mirror"), sggx(0.4, "lambert"),
@@ -111,7 +163,7 @@ TEST(Deterministic, TransmissionOfOneSidedFlakesObeysTheExponentialLaw) {
     const Stack stack = stack_of(layer(medium, 0.95, 1.5) + layer(kSphere, 0.8, 0.2) +
                                  layer(vmf(0.8, "lambert"), 0.7, 0.6));
     const DeterministicSolution s =
-        solve_deterministic(stack, {.tolerance = 1e-3, .max_nodes = 16});
+        solve_deterministic(stack, {.tolerance = 1e-3, .max_nodes = 16, .max_modes = 48});
     const double ratio = std::exp(-stack.one_sidedness());
     for (const double mi : {0.1, 0.7})
       for (const double mo : {0.2, 0.9})
@@ -122,7 +174,8 @@ TEST(Deterministic, TransmissionOfOneSidedFlakesObeysTheExponentialLaw) {
 TEST(Deterministic, OneLayerEqualsItsUnequalParts) {
   for (const std::string& medium : {kSphere, henyey_greenstein(0.5), sggx(0.5, "lambert"),
                                     vmf(0.5, "lambert"), sggx(0.6, "mirror")}) {
-    const DeterministicOptions options{.tolerance = 1e-3, .min_nodes = 16, .max_nodes = 16};
+    const DeterministicOptions options{
+        .tolerance = 1e-3, .min_nodes = 16, .max_nodes = 16, .max_modes = 48};
     const DeterministicSolution one =
         solve_deterministic(stack_of(layer(medium, 0.9, 1.6)), options);
     const DeterministicSolution parts = solve_deterministic(

@@ -1,0 +1,320 @@
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "phase/single_scattering.h"
+#include "volume/deterministic_channel.h"
+#include "volume/mode_tail.h"
+
+namespace lamella {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+void check_sides(const Stack& stack, std::span<const double> mu_i) {
+  if (!stack.is_open_below())
+    for (const double mu : mu_i)
+      if (mu < 0)
+        throw std::invalid_argument("light from below on a half space or an opaque substrate");
+}
+
+// A direction with cosine mu and azimuth phi.
+Direction at(double mu, double phi) {
+  return with_grazing_limit(direction_from_mu_phi(std::clamp(mu, -1.0, 1.0), phi));
+}
+
+}  // namespace
+
+Cosines::Cosines(std::span<const double> mu) {
+  for (const double m : mu) distinct.push_back(std::max(std::abs(m), kGrazingLimit));
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  for (const double m : mu)
+    place.push_back(
+        std::lower_bound(distinct.begin(), distinct.end(), std::max(std::abs(m), kGrazingLimit)) -
+        distinct.begin());
+}
+
+int part_of(double mu_i, double mu_o) {
+  return mu_i > 0 ? (mu_o > 0 ? kAboveToUp : kAboveToDown) : (mu_o > 0 ? kBelowToUp : kBelowToDown);
+}
+
+const Series& part_of(const LayerOperator& op, int part) {
+  switch (part) {
+    case kAboveToUp:
+      return op.above.r;
+    case kAboveToDown:
+      return op.above.t;
+    case kBelowToDown:
+      return op.below.r;
+    default:
+      return op.below.t;
+  }
+}
+
+MatrixXd asked(const MatrixXd& m, Index nodes) {
+  return m.bottomRightCorner(m.rows() - nodes, m.cols() - nodes);
+}
+
+bool is_steep(const Medium& medium) {
+  constexpr double kPeaked = 0.85;
+  if (const auto* hg = std::get_if<HenyeyGreenstein>(&medium)) return std::abs(hg->g) > kPeaked;
+  return std::holds_alternative<MirrorFlakes<Sggx>>(medium) ||
+         std::holds_alternative<MirrorFlakes<Vmf>>(medium);
+}
+
+namespace {
+
+bool is_counted(const Medium& medium) {
+  return !std::holds_alternative<LambertFlakes<Sggx>>(medium) &&
+         !std::holds_alternative<LambertFlakes<Vmf>>(medium);
+}
+
+}  // namespace
+
+Stack counted_by_second_order(const Stack& stack) {
+  Stack counted = stack;
+  for (Layer& layer : counted.layers)
+    if (!is_counted(layer.medium)) layer.albedo = Rgb(0);
+  if (counted.substrate) counted.substrate->albedo = Rgb(0);
+  return counted;
+}
+
+SecondSplit::SecondSplit(const Stack& stack, int channel, const DirectionSets& sets)
+    : stack_(counted_by_second_order(stack)),
+      every_mode_(std::any_of(
+          stack.layers.begin(), stack.layers.end(),
+          [&](const Layer& l) { return !is_counted(l.medium) && l.albedo[channel] > 0; })),
+      // A Lambertian substrate takes part in mode 0 only.
+      first_mode_(stack.substrate && stack.substrate->albedo[channel] > 0) {
+  if (every_mode_ || first_mode_) modes_.emplace(stack_, channel, sets, 2);
+}
+
+std::optional<Parts> SecondSplit::counted(int m) {
+  if (!(every_mode_ || (first_mode_ && m == 0))) return std::nullopt;
+  modes_->prepare(m + 1);
+  const LayerOperator op = modes_->mode(m);
+  Parts result;
+  for (int part = 0; part < 4; ++part)
+    result[part] = asked(part_of(op, part)[2], modes_->sets().nodes());
+  return result;
+}
+
+int DeterministicField::Channel::part(std::size_t i, std::size_t o) const {
+  return part_of(sign_in[i], sign_out[o]);
+}
+
+double DeterministicField::mode(int channel, int order, int m, std::size_t i, std::size_t o) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
+  const int part = c.part(i, o);
+  const OrderModes& mode = c.modes[m];
+  const auto second = [&] {
+    const MatrixXd& rest = mode.second_rest[part];
+    return mode.second[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
+  };
+  switch (order) {
+    case 0:
+      return 0;
+    case 1:
+      return second();
+    case 2:
+      return mode.third[part](row, column);
+    case 3:
+      return mode.higher[part](row, column);
+    default:
+      return second() + mode.third[part](row, column) + mode.higher[part](row, column);
+  }
+}
+
+double DeterministicField::mean(int channel, std::size_t i, std::size_t o) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  return c.mean[c.part(i, o)](static_cast<Index>(c.out.place[o]),
+                              static_cast<Index>(c.in.place[i]));
+}
+
+int DeterministicField::modes(int channel) const {
+  return static_cast<int>(channels_[channel_of_[channel]]->modes.size());
+}
+
+DeterministicValue DeterministicField::multiple(std::size_t i, std::size_t o, double x) const {
+  return evaluate(i, o, x, false);
+}
+
+DeterministicValue DeterministicField::multiple_refined(std::size_t i, std::size_t o,
+                                                        double x) const {
+  return evaluate(i, o, x, true);
+}
+
+DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, double x,
+                                                bool may_integrate) const {
+  struct Sums {
+    std::array<double, kSolvedOrders> order{};
+    double error = 0;
+    bool exact = false;
+  };
+  std::vector<Sums> sums(channels_.size());
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    const Channel& c = *channels_[k];
+    const int part = c.part(i, o);
+    const Index row = static_cast<Index>(c.out.place[o]),
+                column = static_cast<Index>(c.in.place[i]);
+    const std::size_t count = c.modes.size();
+    std::vector<double> seconds(count), thirds(count), others(count);
+    const double step = 2 * std::cos(x);
+    double before = step / 2, now = 1, second = 0, second_rest = 0, third = 0, higher = 0;
+    for (std::size_t m = 0; m < count; ++m) {
+      const OrderModes& mode = c.modes[m];
+      const double weight = m == 0 ? 1 : 2 * now;
+      const double s = mode.second[part](row, column), t = mode.third[part](row, column),
+                   h = mode.higher[part](row, column);
+      const double r = mode.second_rest[part].size() > 0 ? mode.second_rest[part](row, column) : 0;
+      second += weight * s;
+      second_rest += weight * r;
+      third += weight * t;
+      higher += weight * h;
+      seconds[m] = s;
+      thirds[m] = t;
+      others[m] = r + h;
+      const double next = step * now - before;
+      before = now;
+      now = next;
+    }
+    Sums& sum = sums[k];
+    const double mean = c.mean[part](row, column);
+    const ModeTail second_tail = fit_mode_tail(seconds), third_tail = fit_mode_tail(thirds);
+    const double left_out = second_tail.error;
+    third += third_tail.sum(x);
+    sum.error = error_ * mean + third_tail.error + fit_mode_tail(others).error;
+    if (may_integrate && c.second &&
+        (left_out > tolerance_ / 4 * mean || is_second_integrated(second_error_, tolerance_))) {
+      const SecondOrder::Value direct =
+          (*c.second)(at(mu_i_[i], 0), at(mu_o_[o], kPi - x), tolerance_ / 20 * mean);
+      second = direct.f;
+      sum.error += direct.error;
+      sum.exact = true;
+    } else {
+      second += second_tail.sum(x);
+      sum.error += left_out + (c.second ? second_error_ * mean : 0);
+    }
+    sum.order = {0, second + second_rest, third, higher, second + second_rest + third + higher};
+  }
+  DeterministicValue value;
+  for (int channel = 0; channel < 3; ++channel) {
+    const Sums& sum = sums[channel_of_[channel]];
+    for (int order = 1; order < kSolvedOrders; ++order)
+      value.order[order][channel] = sum.order[order];
+    value.error[channel] = sum.error;
+    value.exact_second |= sum.exact;
+  }
+  return value;
+}
+
+DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
+                                                std::span<const double> mu_o) const {
+  check_sides(stack_, mu_i);
+  DeterministicField field;
+  field.channel_of_ = channel_of_;
+  field.mu_i_.assign(mu_i.begin(), mu_i.end());
+  field.mu_o_.assign(mu_o.begin(), mu_o.end());
+  field.tolerance_ = tolerance_;
+  field.error_ = accuracy_.node_error;
+  field.second_error_ = accuracy_.second_error;
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    auto channel = std::make_shared<DeterministicField::Channel>(
+        DeterministicField::Channel{{}, {}, Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt});
+    for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
+    for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
+    const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct);
+    const Index nodes = sets.nodes();
+    StackModes modes(stack_, channels_[k], sets, 3);
+    std::optional<SecondSplit> split;
+    if (steep_) {
+      channel->second.emplace(stack_, channels_[k]);
+      split.emplace(stack_, channels_[k], sets);
+    }
+    modes.prepare(modes_[k]);
+    channel->modes.resize(modes_[k]);
+    oneapi::tbb::parallel_for(0, modes_[k], [&](int m) {
+      const LayerOperator op = modes.mode(m);
+      OrderModes& orders = channel->modes[m];
+      for (int part = 0; part < 4; ++part) {
+        const Series& s = part_of(op, part);
+        orders.second[part] = asked(s[2], nodes);
+        orders.third[part] = asked(s[3], nodes);
+        orders.higher[part] = asked(s[0] - s[1] - s[2] - s[3], nodes);
+        if (m == 0) channel->mean[part] = asked(s[0], nodes);
+      }
+    });
+    if (split)
+      for (int m = 0; m < modes_[k]; ++m)
+        if (std::optional<Parts> counted = split->counted(m))
+          for (int part = 0; part < 4; ++part) {
+            OrderModes& orders = channel->modes[m];
+            orders.second_rest[part] = orders.second[part] - (*counted)[part];
+            orders.second[part] = std::move((*counted)[part]);
+          }
+    field.channels_.push_back(std::move(channel));
+  }
+  return field;
+}
+
+DeterministicValue DeterministicSolution::f(Direction wi, Direction wo) const {
+  if (wi.z == 0 && wo.z == 0)
+    throw std::invalid_argument("both directions graze: f has no limit there");
+  wi = with_grazing_limit(wi);
+  wo = with_grazing_limit(wo);
+  const double mu_i[] = {wi.z}, mu_o[] = {wo.z};
+  const double phi = std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
+  DeterministicValue value = field(mu_i, mu_o).multiple_refined(0, 0, kPi - phi);
+  const SingleScattering single = single_scattering(stack_, wi, wo);
+  value.order[0] = single.layers + single.substrate;
+  value.order[4] += value.order[0];
+  return value;
+}
+
+std::vector<DeterministicEnergies> DeterministicSolution::energies(
+    std::span<const double> mu_i) const {
+  check_sides(stack_, mu_i);
+  std::vector<DeterministicEnergies> result(mu_i.size());
+  const Cosines in(mu_i);
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    StackModes modes(stack_, channels_[k], DirectionSets(accuracy_.nodes, {}, in.distinct), 3);
+    modes.prepare(1);
+    const LayerOperator op = modes.mode(0);
+    const Index nodes = modes.sets().nodes();
+    const Eigen::VectorXd& flux = modes.sets().flux;
+    for (std::size_t i = 0; i < mu_i.size(); ++i) {
+      const OperatorSide& side = mu_i[i] < 0 ? op.below : op.above;
+      const Index column = nodes + static_cast<Index>(in.place[i]);
+      const auto energy = [&](const Series& series, int order) {
+        return flux.dot(series[order].col(column).head(nodes));
+      };
+      const auto split = [&](const Series& series) {
+        std::array<double, kSolvedOrders> e{energy(series, 1), energy(series, 2), energy(series, 3),
+                                            0, energy(series, 0)};
+        e[3] = e[4] - e[0] - e[1] - e[2];
+        return e;
+      };
+      const auto reflected = split(side.r), transmitted = split(side.t);
+      for (int channel = 0; channel < 3; ++channel) {
+        if (channel_of_[channel] != static_cast<int>(k)) continue;
+        DeterministicEnergies& e = result[i];
+        for (int order = 0; order < kSolvedOrders; ++order) {
+          e.reflected[order][channel] = reflected[order];
+          if (stack_.is_open_below()) e.transmitted[order][channel] = transmitted[order];
+          if (stack_.is_half_space()) e.escaped[order][channel] = transmitted[order];
+        }
+        e.uncollided[channel] = side.direct_in[column];
+        e.absorbed[channel] = side.absorbed[column];
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace lamella
