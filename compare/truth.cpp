@@ -112,7 +112,7 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
       const Direction wi = with_grazing_limit(pairs[order[from]].wi);
       const Direction wo = with_grazing_limit(pairs[order[from]].wo);
       const DeterministicValue multiple =
-          field.multiple(in.at(wi.z), out.at(wo.z), kPi - relative_azimuth(wi, wo));
+          field.multiple_refined(in.at(wi.z), out.at(wo.z), kPi - relative_azimuth(wi, wo));
       const SingleScattering single = single_scattering(stack, wi, wo);
       values[order[from]] = {multiple.order[4] + single.layers + single.substrate, multiple.error};
     }

@@ -73,7 +73,8 @@ class DeterministicField {
   [[nodiscard]] DeterministicValue multiple(std::size_t i, std::size_t o, double x) const;
   /// The same, but where the medium is steep (mirror flakes, a narrow forward peak) and the modes
   /// of order 2 left out would add more than the tolerance, that order is integrated directly
-  /// (volume/second_order.h; milliseconds).
+  /// (volume/second_order.h; milliseconds), and the fit of volume/mode_tail.h stands for what is
+  /// left out of order 3.
   [[nodiscard]] DeterministicValue multiple_refined(std::size_t i, std::size_t o, double x) const;
   /// Mode m of the orders 2 and up (4: their sum) [1/sr]: f = sum over m of (2 - [m = 0]) f_m
   /// cos(m x). What an average over cells of phi needs.

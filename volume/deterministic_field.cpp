@@ -187,9 +187,16 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
     Sums& sum = sums[k];
     const double mean = c.mean[part](row, column);
     const ModeTail second_tail = fit_mode_tail(seconds), third_tail = fit_mode_tail(thirds);
-    const double left_out = second_tail.error;
-    third += third_tail.sum(x);
-    sum.error = error_ * mean + third_tail.error + fit_mode_tail(others).error;
+    sum.error = error_ * mean + fit_mode_tail(others).error;
+    // Sums of modes alone owe the whole tail.
+    const auto whole = [](const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; };
+    const double left_out = may_integrate ? second_tail.error : whole(second_tail);
+    if (may_integrate) {
+      third += third_tail.sum(x);
+      sum.error += third_tail.error;
+    } else {
+      sum.error += whole(third_tail);
+    }
     if (may_integrate && c.second &&
         (left_out > tolerance_ / 4 * mean || is_second_integrated(second_error_, tolerance_))) {
       const SecondOrder::Value direct =
@@ -198,7 +205,7 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       sum.error += direct.error;
       sum.exact = true;
     } else {
-      second += second_tail.sum(x);
+      if (may_integrate) second += second_tail.sum(x);
       sum.error += left_out + (c.second ? second_error_ * mean : 0);
     }
     sum.order = {0, second + second_rest, third, higher, second + second_rest + third + higher};
