@@ -71,7 +71,7 @@ TEST(DeterministicAgainstWalk, RandomStacksAgreeAtPoints) {
     walk.advance(testing::soaked(20000));
     for (std::size_t k = 0; k < points.size(); ++k) {
       const SingleScattering single = single_scattering(stack, wi, points[k]);
-      DeterministicValue f = field.multiple(0, k, kPi - azimuth(points[k]));
+      DeterministicValue f = field.multiple_refined(0, k, kPi - azimuth(points[k]));
       f.order[0] = single.layers + single.substrate;
       f.order[4] += f.order[0];
       for (int order = 0; order < kSolvedOrders; ++order) {
