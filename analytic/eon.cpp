@@ -9,21 +9,10 @@
 namespace lamella {
 namespace {
 
-double fon_a(double roughness) { return 1 / (1 + (0.5 - 2 / (3 * kPi)) * roughness); }
+double fon_a(double roughness) { return 1 / (1 + kFonNormalLoss * roughness); }
 
-/// The frame around the normal in which w has azimuth 0.
-Frame<double> frame_of(Direction w) {
-  const double s = std::sqrt(w.x * w.x + w.y * w.y);
-  const Direction x = s > 0 ? Direction{w.x / s, w.y / s, 0} : Direction{1, 0, 0};
-  return {x, {-x.y, x.x, 0}, {0, 0, 1}};
-}
-
-/// What FON loses, 1 - E = A r loss(mu), with loss(mu) = 1/2 - 2 / (3 pi) - G_F / pi.
-constexpr double kGrazingLoss = 0.5 - 2 / (3 * kPi);
-/// Its cosine-weighted mean: 1 - <E> = A r kMeanLoss.
-constexpr double kMeanLoss = kGrazingLoss - kFujiiMean;
-
-double fon_loss(double mu) { return std::max(0.0, kGrazingLoss - fujii_integral(mu) / kPi); }
+/// The cosine-weighted mean of fon_loss: 1 - <E> = A r kMeanLoss.
+constexpr double kMeanLoss = kFonNormalLoss - kFujiiMean;
 
 /// G_F / pi by eq. 14.
 double fujii_integral_fit(double mu) {
@@ -31,7 +20,7 @@ double fujii_integral_fit(double mu) {
   return x * (0.0571085289 + x * (0.491881867 + x * (-0.332181442 + x * 0.0714429953)));
 }
 
-double fon_loss_fit(double mu) { return std::max(0.0, kGrazingLoss - fujii_integral_fit(mu)); }
+double fon_loss_fit(double mu) { return std::max(0.0, kFonNormalLoss - fujii_integral_fit(mu)); }
 
 /// Cosine-weighted mean of fon_loss_fit: a polynomial above the cosine at which the clamp ends.
 double mean_loss_fit() {
@@ -40,7 +29,7 @@ double mean_loss_fit() {
     const double middle = (low + high) / 2;
     (fon_loss_fit(middle) > 0 ? high : low) = middle;
   }
-  const auto f = [](double mu) { return 2 * mu * (kGrazingLoss - fujii_integral_fit(mu)); };
+  const auto f = [](double mu) { return 2 * mu * (kFonNormalLoss - fujii_integral_fit(mu)); };
   return boost::math::quadrature::gauss<double, 7>::integrate(f, high, 1.0);
 }
 
@@ -48,12 +37,13 @@ enum class Variant { fon, exact, fit };
 
 class Eon final : public Model {
  public:
-  Eon(Rgb rho, double roughness, Variant variant)
+  Eon(Rgb rho, double roughness, Variant variant, HemisphereSampler sampler)
       : Model(variant == Variant::fon ? 1 : 2),
         rho_(rho),
         roughness_(roughness),
         a_(fon_a(roughness)),
-        variant_(variant) {
+        variant_(variant),
+        sampler_(sampler) {
     if (variant == Variant::fon) return;
     const double average = fon_average_albedo(roughness);
     for (int c = 0; c < 3; ++c)
@@ -78,13 +68,14 @@ class Eon final : public Model {
 
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
                                                 double u3) const override {
-    if (variant_ == Variant::fon || wo.z < 0) return Model::sample(wo, u1, u2, u3);
-    return frame_of(wo).to_world(EonSampler(wo.z, roughness_).sample(u1, u2, u3));
+    if (wo.z < 0) return Model::sample(wo, u1, u2, u3);
+    return frame_towards(wo).to_world(
+        eon_sampling_lobe(wo.z, roughness_).sample(sampler_, u1, u2, u3));
   }
 
   [[nodiscard]] double pdf(Direction wi, Direction wo) const override {
-    if (variant_ == Variant::fon || wo.z < 0) return Model::pdf(wi, wo);
-    return wi.z < 0 ? 0 : EonSampler(wo.z, roughness_).pdf(frame_of(wo).to_local(wi));
+    if (wo.z < 0) return Model::pdf(wi, wo);
+    return eon_sampling_lobe(wo.z, roughness_).pdf(sampler_, frame_towards(wo).to_local(wi));
   }
 
  private:
@@ -95,6 +86,7 @@ class Eon final : public Model {
   Rgb rho_;
   double roughness_, a_;
   Variant variant_;
+  HemisphereSampler sampler_;
   Rgb lobe_;  // pi f_ms per unit of loss(mu_i) loss(mu_o)
   double mean_loss_ = 0;
 };
@@ -114,11 +106,13 @@ ModelInfo info(std::string name, std::string doc, Variant variant) {
                           .doc = "r; 0: Lambert",
                           .default_value = "0.5",
                           .min = 0,
-                          .max = 1}},
+                          .max = 1},
+                         sampler_parameter()},
           .lobes = std::move(lobes),
           .make =
               [variant](const Parameters& p, const Stack*) {
-                return std::make_unique<Eon>(p.color("albedo"), p.number("roughness"), variant);
+                return std::make_unique<Eon>(p.color("albedo"), p.number("roughness"), variant,
+                                             sampler_of(p));
               },
           .applies_to = {}};
 }
@@ -126,7 +120,7 @@ ModelInfo info(std::string name, std::string doc, Variant variant) {
 }  // namespace
 
 double fon_albedo(double mu, double roughness) {
-  return fon_a(roughness) * (1 + roughness / kPi * fujii_integral(mu));
+  return 1 - fon_a(roughness) * roughness * fon_loss(mu);
 }
 
 double fon_albedo_fit(double mu, double roughness) {
@@ -137,45 +131,14 @@ double fon_average_albedo(double roughness) {
   return fon_a(roughness) * (1 + roughness * kFujiiMean);
 }
 
-EonSampler::EonSampler(double mu, double r) {
+ClippedCosine eon_sampling_lobe(double mu, double r) {
   const double m = std::min(mu, 1.0);
-  m_ = {1 + r * (0.303392 + (-0.518982 + 0.111709 * m) * m + (-0.276266 + 0.335918 * m) * r),
-        r * (-1.16407 + 1.15859 * m + (0.150815 - 0.150105 * m) * r) / (m * m * m - 1.43545),
-        1 + (0.20013 + (-0.506373 + 0.261777 * m) * m) * r,
-        r * (0.540852 + (-1.01625 + 0.475392 * m) * m) / (-1.0743 + m * (0.0725628 + m))};
-  uniform_ = std::pow(r, 0.1) * (0.162925 + m * (-0.372058 + (0.538233 - 0.290822 * m) * m));
-  area_ = 0.5 * (1 + 1 / std::sqrt(1 + m_[3] * m_[3]));
-}
-
-Direction EonSampler::sample(double u1, double u2, double u3) const {
-  const double phi = 2 * kPi * u3;
-  if (u1 < uniform_) {
-    const double s = std::sqrt((1 - u2) * (1 + u2));
-    return {s * std::cos(phi), s * std::sin(phi), u2};
-  }
-  // The part of the unit disc over which d x + z > 0: half the disc and, on the side where d x < 0,
-  // half an ellipse. Each chord of the disc is squeezed onto its part.
-  const auto [a, b, c, d] = m_;
-  const double radius = std::sqrt(u2);
-  const double y = radius * std::sin(phi);
-  const double chord = std::sqrt(std::max(0.0, 1 - y * y));
-  const double x = std::copysign(1.0, d) * (chord + area_ * (radius * std::cos(phi) - chord));
-  const double z = std::sqrt(std::max(0.0, 1 - x * x - y * y));
-  const Direction w = normalized(Direction{a * x + b * z, c * y, d * x + z});
-  return {w.x, w.y, std::max(w.z, 0.0)};
-}
-
-double EonSampler::clipped_pdf(Direction wi) const {
-  const auto [a, b, c, d] = m_;
-  const double e = a - b * d, determinant = c * e;
-  // The adjugate of M times w_i
-  const Direction h{c * (wi.x - b * wi.z), e * wi.y, c * (a * wi.z - d * wi.x)};
-  const double l2 = dot(h, h);
-  return std::max(0.0, h.z) * determinant * determinant / (l2 * l2 * kPi * area_);
-}
-
-double EonSampler::pdf(Direction wi) const {
-  return uniform_ / (2 * kPi) + (1 - uniform_) * clipped_pdf(wi);
+  return {
+      .a = 1 + r * (0.303392 + (-0.518982 + 0.111709 * m) * m + (-0.276266 + 0.335918 * m) * r),
+      .b = r * (-1.16407 + 1.15859 * m + (0.150815 - 0.150105 * m) * r) / (m * m * m - 1.43545),
+      .c = 1 + (0.20013 + (-0.506373 + 0.261777 * m) * m) * r,
+      .d = r * (0.540852 + (-1.01625 + 0.475392 * m) * m) / (-1.0743 + m * (0.0725628 + m)),
+      .uniform = std::pow(r, 0.1) * (0.162925 + m * (-0.372058 + (0.538233 - 0.290822 * m) * m))};
 }
 
 ModelInfo fon_model() { return info("fon", "Fujii's Oren-Nayar model", Variant::fon); }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "analytic/beckmann_diffuse.h"
 #include "analytic/chandrasekhar.h"
 #include "analytic/eon.h"
 #include "analytic/lambert.h"
@@ -16,28 +17,33 @@ namespace lamella {
 
 const std::vector<ModelInfo>& models() {
   // clang-format off: one line per model
-  static const std::vector<ModelInfo> list{
-      lambert_model(),
-      chandrasekhar_model(),
-      lambert_sphere_model(),
-      lambert_sphere_fast_model(),
-      lambert_sphere_three_term_model(),
-      lambert_sphere_three_term_pure_model(),
-      hapke_lambert_sphere_model(),
-      vmf_diffuse_model(),
-      vmf_diffuse_printed_model(),
-      oren_nayar_full_model(),
-      oren_nayar_model(),
-      oren_nayar_footnote_model(),
-      fujii_qualitative_model(),
-      fon_model(),
-      eon_model(),
-      eon_approx_model(),
-      micrograin_model(),
-      single_scattering_model(),
-      spongecake_model(),
-  };
-  // clang-format on
+  static const std::vector<ModelInfo> list = [] {
+    std::vector<ModelInfo> all{
+        lambert_model(),
+        chandrasekhar_model(),
+        lambert_sphere_model(),
+        lambert_sphere_fast_model(),
+        lambert_sphere_three_term_model(),
+        lambert_sphere_three_term_pure_model(),
+        hapke_lambert_sphere_model(),
+        vmf_diffuse_model(),
+        vmf_diffuse_printed_model(),
+        oren_nayar_full_model(),
+        oren_nayar_model(),
+        oren_nayar_footnote_model(),
+        fujii_qualitative_model(),
+        fon_model(),
+        eon_model(),
+        eon_approx_model(),
+        beckmann_diffuse_model(),
+        micrograin_model(),
+        single_scattering_model(),
+        spongecake_model(),
+    };
+    // clang-format on
+    offer_bulk_models(all);
+    return all;
+  }();
   return list;
 }
 

@@ -7,6 +7,7 @@
 
 #include "analytic/half_space.h"
 #include "analytic/reflection_angles.h"
+#include "analytic/vmf_diffuse_sampler.h"
 #include "analytic/vmf_sigma_fit.h"
 
 namespace lamella {
@@ -137,8 +138,10 @@ struct CosineQuadratic {
 
 class VmfDiffuse final : public Model {
  public:
-  VmfDiffuse(Rgb albedo, double roughness, bool printed)
+  VmfDiffuse(Rgb albedo, double roughness, bool printed, HemisphereSampler sampler)
       : Model(4),
+        roughness_(roughness),
+        sampler_(sampler),
         albedo_(albedo),
         modes_(roughness),
         higher_{HigherOrders(albedo.r, roughness), HigherOrders(albedo.g, roughness),
@@ -171,6 +174,19 @@ class VmfDiffuse final : public Model {
     return sum;
   }
 
+  [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
+                                                double u3) const override {
+    if (wo.z < 0) return Model::sample(wo, u1, u2, u3);
+    return frame_towards(wo).to_world(
+        vmf_diffuse_sampling_lobe(wo.z, roughness_).sample(sampler_, u1, u2, u3));
+  }
+
+  [[nodiscard]] double pdf(Direction wi, Direction wo) const override {
+    if (wo.z < 0) return Model::pdf(wi, wo);
+    return vmf_diffuse_sampling_lobe(wo.z, roughness_)
+        .pdf(sampler_, frame_towards(wo).to_local(wi));
+  }
+
  private:
   [[nodiscard]] double clamped(double f) const { return printed_ || f > 0 ? f : 0; }
   /// The factor of the modes' cosines.
@@ -198,6 +214,8 @@ class VmfDiffuse final : public Model {
            gauss_kronrod<double, 31>::integrate(g, 0.1, 1.0, 8, 1e-9);
   }
 
+  double roughness_;
+  HemisphereSampler sampler_;
   Rgb albedo_;
   Modes modes_;
   std::array<HigherOrders, 3> higher_;
@@ -215,7 +233,8 @@ ModelInfo info(std::string name, std::string doc, bool printed) {
                           .doc = "r; 0: Lambert's surface, 1: Lambert spheres",
                           .default_value = "0.5",
                           .min = 0,
-                          .max = 1}},
+                          .max = 1},
+                         sampler_parameter()},
           .lobes = {{"f1", "one event", Order::one},
                     {"f2", "two events", Order::two},
                     {"f3", "three events", Order::three},
@@ -223,7 +242,7 @@ ModelInfo info(std::string name, std::string doc, bool printed) {
           .make =
               [printed](const Parameters& p, const Stack*) {
                 return std::make_unique<VmfDiffuse>(p.color("albedo"), p.number("roughness"),
-                                                    printed);
+                                                    printed, sampler_of(p));
               },
           .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
             const Layer* layer = only_half_space(stack);

@@ -61,8 +61,12 @@ std::string table(const std::vector<JudgedModel>& models) {
   std::string text;
   for (const JudgedModel& m : models) {
     text += fmt::format("\n{}", m.bound.info->name);
-    for (const auto& [key, value] : m.bound.parameters.all())
-      text += fmt::format(", {} = {}", key, to_text(value));
+    // What is at its default says nothing.
+    for (const auto& [key, value] : m.bound.parameters.all()) {
+      const ParameterInfo* info = find(m.bound.info->parameters, key);
+      if (!info || info->default_value.empty() || parse_value(*info, info->default_value) != value)
+        text += fmt::format(", {} = {}", key, to_text(value));
+    }
     text += fmt::format(" ({:.0f} ns per evaluation)\n", m.nanoseconds);
     text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>9} {:>9} {:>9}  {}\n",
                         "theta_i", "side", "order", "energy truth", "+-", "energy model",

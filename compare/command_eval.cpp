@@ -7,6 +7,8 @@
 #include <functional>
 #include <iostream>
 
+#include "analytic/model_plugin.h"
+#include "analytic/stochastic_model.h"
 #include "compare/command.h"
 #include "compare/direction_pairs.h"
 #include "compare/estimator_choice.h"
@@ -198,10 +200,12 @@ Answer eval_model(const std::string& what, KeyValues values, const DirectionPair
   std::optional<Stack> stack;
   Answer answer;
   answer.color = has_three_values(values);
-  const std::size_t dot = what.find('.');
+  // The parts of a model in ./mine.so are named ./mine.so.PART.
+  const std::size_t object = what.rfind(".so");
+  const std::size_t dot = object == std::string::npos ? what.find('.') : what.find('.', object + 1);
   const std::string name = what.substr(0, dot);
   const std::string part = dot == std::string::npos ? "" : what.substr(dot + 1);
-  const ModelInfo* info = find_model(name);
+  const ModelInfo* info = find_or_load_model(name);
   if (!info) {
     std::vector<std::string> names;
     for (const ModelInfo& m : models()) names.push_back(m.name);
@@ -243,12 +247,19 @@ Answer eval_model(const std::string& what, KeyValues values, const DirectionPair
           extra->eval(bound.parameters, with_grazing_limit(pair.wi), with_grazing_limit(pair.wo)));
     } else {
       const bool grazing = pair.wi.z == 0 && pair.wo.z == 0;
-      const Rgb f = lobe < 0 ? bound.model->eval(pair.wi, pair.wo)
-                             : bound.model->eval_lobe(lobe, pair.wi, pair.wo);
+      const auto* estimate =
+          lobe < 0 ? dynamic_cast<const StochasticModel*>(bound.model.get()) : nullptr;
+      const ValueWithError value =
+          estimate ? estimate->eval_with_error(pair.wi, pair.wo)
+                   : ValueWithError{lobe < 0 ? bound.model->eval(pair.wi, pair.wo)
+                                             : bound.model->eval_lobe(lobe, pair.wi, pair.wo),
+                                    Rgb()};
+      const Rgb f = value.f;
       const bool finite = std::isfinite(f.r + f.g + f.b);
       if (grazing && !finite)
         refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
       answer.f.push_back(f);
+      if (estimate) answer.standard_error.push_back(value.standard_error);
     }
   }
   return answer;

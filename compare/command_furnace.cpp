@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analytic/model_plugin.h"
 #include "compare/command.h"
 #include "compare/furnace.h"
 #include "compare/ground_truth.h"
@@ -40,7 +41,7 @@ int model_furnace(const Options& options, const Stack& stack) {
   for (const std::string& text : options.models) {
     ModelRequest request = parse_model_request(text);
     if (!options.as_is)
-      if (const ModelInfo* info = find_model(request.name))
+      if (const ModelInfo* info = find_or_load_model(request.name))
         for (const char* key : {"albedo", "rho", "f0"})
           if (find(info->parameters, key)) {
             std::erase_if(request.values, [&](const auto& v) { return v.first == key; });

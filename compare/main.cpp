@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "compare/closed_form_command.h"
 #include "compare/command.h"
 #include "compare/output_folder.h"
 #include "phase/stack_file.h"
@@ -183,6 +184,8 @@ void add_model(CLI::App& command, Options& options, const std::string& doc) {
 
 int run_program(int argc, char** argv) {
   Options options;
+  ClosedFormOptions closed;
+  bool sweep = false;
   std::string walks;
   std::vector<std::string> words;
   CLI::App app{
@@ -214,6 +217,9 @@ int run_program(int argc, char** argv) {
   CLI::App* furnace = app.add_subcommand("furnace", "White furnace of a stack or of models");
   add_run_options(*furnace, options, walks);
   add_model(*furnace, options, "A closed form to check instead of the stack, repeatable");
+  furnace->add_flag(
+      "--sweep", sweep,
+      "Models (--model, default all) over the whole range of their parameters: a table");
   furnace->add_flag("--as-is", options.as_is, "Keep albedos, substrate and f0");
   furnace->add_flag("--strict", options.strict, "Exit 1 also when inconclusive");
   furnace->footer("Example: lamella furnace spongecake_two_layer --walks 1e5");
@@ -229,6 +235,60 @@ int run_program(int argc, char** argv) {
   bench->add_flag("--quick", options.quick, "Every row in a few seconds: noisy");
   add_json(*bench, options);
   bench->footer("Example: lamella bench --quick --json bench.json");
+
+  CLI::App* samplers =
+      app.add_subcommand("samplers", "Variance and largest weight of models' samplers");
+  add_model(*samplers, options, "A model, repeatable (default: EON's and VMF Diffuse's samplers)");
+  samplers
+      ->add_option("--wo", closed.outgoing, "THETA of w_o in degrees, repeatable (default 0 to 89)")
+      ->type_name("THETA")
+      ->take_all()
+      ->allow_extra_args(false);
+  samplers->add_option("--samples", closed.samples, "Draws per direction (default 100000)")
+      ->transform(whole_number(2, 1000000000000))
+      ->type_name("N");
+  samplers->add_option("--seed", options.seed, "Seed of the random numbers (default 1)")
+      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+  add_json(*samplers, options);
+  samplers->footer("Example: lamella samplers --model eon,roughness=1,sampler=cltc --wo 80");
+
+  CLI::App* fit = app.add_subcommand("fit", "SpongeCake's two further lobes for a stack");
+  fit->add_option("STACK", options.stack,
+                  "TOML file, - for stdin, or a built-in stack of SGGX mirror flakes and "
+                  "Henyey-Greenstein layers, four at most");
+  add_walks(*fit, walks, "Walks per incident direction");
+  add_max_order(*fit, options);
+  add_seed_and_threads(*fit, options);
+  fit->add_option("--sampling", closed.sampling,
+                  "Instead: sampling lobes of a closed form with a roughness, as C++")
+      ->type_name("NAME[,key=value...]");
+  fit->add_option("-o,--output", options.output, "Write what was fitted to FILE")
+      ->type_name("FILE");
+  add_json(*fit, options);
+  fit->footer("Example: lamella fit sggx_slab --walks 1e5");
+
+  CLI::App* invert =
+      app.add_subcommand("invert", "The single-scattering albedo that gives a colour");
+  invert
+      ->add_option(
+          "WHAT", words,
+          "Model, or stack (all its layers get the albedo), then color=R,G,B or one number "
+          "and the model's key=value...")
+      ->required()
+      ->expected(1, -1);
+  invert
+      ->add_option(
+          "--wi", options.incident,
+          "THETA[,PHI] of the light in degrees: the colour is the directional albedo there "
+          "(default 0)")
+      ->type_name("THETA[,PHI]");
+  invert->add_flag("--bond", closed.bond, "Light from everywhere instead: the Bond albedo");
+  add_walks(*invert, walks, "Walks per evaluation, of a stack");
+  add_max_order(*invert, options);
+  add_seed_and_threads(*invert, options);
+  add_json(*invert, options);
+  invert->footer("Example: lamella invert vmf_diffuse color=0.8,0.4,0.2 roughness=0.5");
 
   CLI::App* eval = app.add_subcommand("eval", "Values of a model at direction pairs, as CSV");
   eval->add_option("MODEL", words, "Model or medium (see README), then key=value...")
@@ -284,8 +344,12 @@ int run_program(int argc, char** argv) {
   return arena.execute([&] {
     if (simulate->parsed()) return simulate_command(options);
     if (compare->parsed()) return compare_command(options);
+    if (furnace->parsed() && sweep) return furnace_sweep_command(options);
     if (furnace->parsed()) return furnace_command(options);
     if (bench->parsed()) return bench_command(options);
+    if (samplers->parsed()) return samplers_command(options, closed);
+    if (fit->parsed()) return fit_command(options, closed);
+    if (invert->parsed()) return invert_command(options, closed, words);
     if (eval->parsed()) return eval_command(options, words);
     if (explain->parsed()) return explain_command(options);
     if (models->parsed()) return models_command(options);

@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "analytic/model_plugin.h"
+
 namespace lamella {
 
 Parameters read_parameters(const std::string& what, const std::vector<ParameterInfo>& infos,
@@ -31,7 +33,7 @@ Parameters read_parameters(const std::string& what, const std::vector<ParameterI
 
 BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
   BoundModel bound;
-  bound.info = find_model(request.name);
+  bound.info = find_or_load_model(request.name);
   if (!bound.info) {
     std::vector<std::string> names;
     for (const ModelInfo& info : models()) names.push_back(info.name);
@@ -63,7 +65,7 @@ std::vector<BoundModel> models_for(const Options& options, const Stack& stack) {
     for (const std::string& text : options.models) {
       ModelRequest request = parse_model_request(text);
       // What the command line leaves open comes from the stack, where the model applies to it.
-      const ModelInfo* info = find_model(request.name);
+      const ModelInfo* info = find_or_load_model(request.name);
       if (info && info->applies_to)
         if (const auto from_stack = info->applies_to(stack))
           for (const auto& entry : from_stack->all()) {

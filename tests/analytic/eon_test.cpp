@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/math/constants/constants.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 
 #include "tests/analytic/model_checks.h"
 #include "tests/statistics/statistics.h"
@@ -102,10 +104,41 @@ TEST(Eon, MultipleScatteringIsTintedByTheSquareOfTheAlbedo) {
       1e-12);
 }
 
-TEST(Eon, SamplerFollowsItsPdf) {
-  for (const double r : {0.0, 0.4, 1.0})
+TEST(Eon, LossKeepsAllDigitsDownToGrazing) {
+  // The printed form, G_F by eqs. 8 and 13, in 50 digits.
+  using Long = boost::multiprecision::cpp_bin_float_50;
+  const auto printed = [](double x) {
+    const Long mu = x, s = sqrt(1 - mu * mu), pi = boost::math::constants::pi<Long>();
+    const Long third = Long(2) / 3;
+    const Long g = s * (acos(mu) - s * mu) + third * (s / mu * (1 - s * s * s) - s);
+    return Long(0.5) - third / pi - g / pi;
+  };
+  double worst = 0, worst_float = 0, worst_albedo = 0;
+  const auto check = [&](double mu) {
+    const Long exact = printed(mu);
+    worst = std::max(worst, std::abs(static_cast<double>(fon_loss(mu) / exact - 1)));
+    const Long albedo = 1 - exact / (1 + Long(kFonNormalLoss));  // r = 1
+    worst_albedo =
+        std::max(worst_albedo, std::abs(static_cast<double>(fon_albedo(mu, 1) - albedo)));
+    const auto single = static_cast<float>(mu);
+    worst_float = std::max(worst_float,
+                           std::abs(static_cast<double>(fon_loss(single) / printed(single) - 1)));
+  };
+  for (double mu = 1; mu > 1e-20; mu *= 0.97) check(mu);
+  for (int k = 1; k <= 1000; ++k) check(k / 1000.0);
+  EXPECT_LT(worst, 5 * std::numeric_limits<double>::epsilon());
+  EXPECT_LT(worst_float, 5 * std::numeric_limits<float>::epsilon());
+  EXPECT_LT(worst_albedo, 3e-16);
+  EXPECT_EQ(fon_loss(0.0), 0);
+  EXPECT_EQ(fon_loss(0.0f), 0);
+}
+
+TEST(Eon, SamplersFollowTheirPdf) {
+  for (const double r : {0.0, 0.4})
     testing::expect_sampler_follows_its_pdf("eon", *make_model("eon", {{"roughness", r}}), 1e-6);
-  testing::expect_sampler_follows_its_pdf("fon", *make_model("fon", {}));
+  for (const char* sampler : {"mis", "cltc", "ltc", "cosine", "uniform"})
+    testing::expect_sampler_follows_its_pdf(
+        sampler, *make_model("eon", {{"roughness", 1.0}, {"sampler", std::string(sampler)}}), 1e-6);
 }
 
 TEST(Eon, SamplerKeepsTheThroughputBounded) {

@@ -184,7 +184,10 @@ TEST(Micrograin, ConductorsDoNotGainEnergy) {
 
 TEST(Micrograin, SamplersFollowTheirPdf) {
   testing::expect_sampler_follows_its_pdf("micrograin", *make_model("micrograin", {}));
-  const auto model = conductor(0.5, 0.6, "ggx", 0.5);
+  const auto model = make_model("micrograin", {{"beta", 0.6},
+                                               {"surface", std::string("conductor")},
+                                               {"normals", std::string("all")},
+                                               {"bulk_albedo", 0.5}});
   for (const double theta : {0.0, 50.0, 85.0}) {
     const Direction wo = direction_from_degrees(theta, 40);
     const auto pdf = [&](Direction wi) { return model->pdf(wi, wo); };
@@ -200,16 +203,115 @@ TEST(Micrograin, SamplersFollowTheirPdf) {
   }
 }
 
+TEST(Micrograin, FirstTermsOfTheSeriesKeepTheirStatedError) {
+  double worst = 0;
+  for (const double beta : {0.1, 0.5, 1.0})
+    for (const double tau0 : {0.0, 0.5, 0.98})
+      for (double mu = 0.01; mu <= 1; mu += 0.01) {
+        const auto area = [&](MicrograinShadowing s, int n) {
+          return micrograin_projected_area(mu, tau0, beta, s, n);
+        };
+        const double exact = area(MicrograinShadowing::smith, 0);
+        EXPECT_NEAR(area(MicrograinShadowing::series, 200) / exact, 1, 1e-12);
+        worst = std::max(worst, std::abs(mu / area(MicrograinShadowing::series, 4) - mu / exact));
+      }
+  EXPECT_LT(worst, 0.026);
+  EXPECT_GT(worst, 0.02);
+}
+
+TEST(Micrograin, VisibleNormalsFollowTheirDensity) {
+  for (const double tau0 : {0.0, 0.5, 0.98})
+    for (const double mu : {1.0, 0.4, 0.0}) {
+      const double beta = 0.6;
+      const Direction w = direction_from_mu_phi(mu, 0.7);
+      const double area = micrograin_projected_area(std::max(mu, kGrazingLimit), tau0, beta,
+                                                    MicrograinShadowing::smith);
+      const auto density = [&](Direction m) {
+        return m.z > 0 ? micrograin_ndf(m.z, tau0, beta) * std::max(0.0, dot(w, m)) / area : 0;
+      };
+      const auto sample = [&](RandomStream& stream) {
+        return micrograin_visible_normal(w, tau0, beta, stream);
+      };
+      EXPECT_GT(testing::sampler_p_value("visible", Direction{0, 0, 1}, sample, density, 50000),
+                testing::test_level())
+          << tau0 << ' ' << mu;
+    }
+}
+
+TEST(Micrograin, SpecularGrainsSampledByVisibleNormalsFollowTheirPdf) {
+  for (const char* surface : {"conductor", "dielectric"})
+    testing::expect_sampler_follows_its_pdf(
+        surface,
+        *make_model("micrograin", {{"beta", 0.6},
+                                   {"surface", std::string(surface)},
+                                   {"bulk", std::string("eon")},
+                                   {"bulk_roughness", 1.0},
+                                   {"bulk_albedo", 0.5}}),
+        1e-4);
+}
+
+TEST(Micrograin, WhiteDielectricGrainsKeepTheEnergy) {
+  // What is left is the error of the tabulated albedo of their specular part.
+  double worst = 0;
+  for (const char* shadowing : {"ggx", "smith"})
+    for (const double beta : {0.3, 1.0}) {
+      const auto model = make_model("micrograin", {{"tau0", 0.8},
+                                                   {"beta", beta},
+                                                   {"surface", std::string("dielectric")},
+                                                   {"shadowing", std::string(shadowing)},
+                                                   {"bulk_albedo", 1.0}});
+      testing::expect_sane_values(*model, 2);
+      testing::expect_reciprocal(*model);
+      // The weight depends on both directions, so only white on white is a furnace of grains: with
+      // w constant (normal incidence and beta small) it is that of f_S.
+      for (const double mu : {1.0, 0.5, 0.1}) {
+        const Direction wi = direction_from_mu_phi(mu, 0);
+        const auto grains = [&](Direction wo) {
+          const double w = micrograin_weight(mu, std::max(wo.z, kGrazingLimit), 0.8, beta);
+          return model->eval_lobe(0, wi, wo).r / w;
+        };
+        worst = std::max(worst, std::abs(integrate_projected(grains, 1, 1e-5) - 1));
+      }
+    }
+  EXPECT_LT(worst, 2e-3);
+}
+
+TEST(Micrograin, FresnelAtADielectric) {
+  EXPECT_NEAR(fresnel_dielectric(1, 1.5), 0.04, 1e-15);
+  EXPECT_NEAR(fresnel_dielectric(0, 1.5), 1, 1e-15);
+  // Brewster's angle: parallel light passes whole, so half of the perpendicular reflectance is
+  // left.
+  const double n = 1.5, brewster = std::cos(std::atan(n));
+  const double rs = (1 - n * n) / (1 + n * n);
+  EXPECT_NEAR(fresnel_dielectric(brewster, n), 0.5 * rs * rs, 1e-15);
+}
+
+TEST(Micrograin, AnyClosedFormMayLieBelow) {
+  const Direction wi = direction_from_degrees(50, 0), wo = direction_from_degrees(30, 70);
+  for (const char* bulk : {"eon", "vmf_diffuse", "lambert_sphere", "oren_nayar_full"}) {
+    const auto below = make_model(bulk, {{"albedo", Rgb(0.8, 0.5, 0.1)}});
+    const auto both = make_model(
+        "micrograin",
+        {{"tau0", 0.3}, {"bulk", std::string(bulk)}, {"bulk_albedo", Rgb(0.8, 0.5, 0.1)}});
+    const double w = micrograin_weight(wi.z, wo.z, 0.3, 0.5);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(both->eval_lobe(1, wi, wo)[c], (1 - w) * below->eval(wi, wo)[c], 1e-15) << bulk;
+  }
+}
+
 TEST(Micrograin, PartsAnswerForTheirDirections) {
   const ModelInfo& info = *find_model("micrograin");
   Parameters p;
   p.set("tau0", 0.3);
   p.set("beta", 0.8);
   const Direction wi = direction_from_mu_phi(0.6, 1), wo = direction_from_mu_phi(0.2, 2);
-  ASSERT_EQ(info.parts.size(), 3u);
+  ASSERT_EQ(info.parts.size(), 5u);
   EXPECT_EQ(info.parts[0].eval(p, wi, wo).r, micrograin_ndf(wi.z, 0.3, 0.8));
-  EXPECT_EQ(info.parts[1].eval(p, wi, wo).r, micrograin_tau_plus(wi.z, 0.3, 0.8));
-  EXPECT_EQ(info.parts[2].eval(p, wi, wo).r, micrograin_weight(wi.z, wo.z, 0.3, 0.8));
+  EXPECT_EQ(info.parts[2].eval(p, wi, wo).r, micrograin_tau_plus(wi.z, 0.3, 0.8));
+  EXPECT_EQ(info.parts[3].eval(p, wi, wo).r, micrograin_weight(wi.z, wo.z, 0.3, 0.8));
+  EXPECT_EQ(info.parts[1].eval(p, wi, wo).r, micrograin_tau(wi.z, 0.3, 0.8));
+  EXPECT_NEAR(info.parts[4].eval(p, wi, wo).r,
+              wi.z / micrograin_projected_area(wi.z, 0.3, 0.8, MicrograinShadowing::smith), 1e-15);
 }
 
 }  // namespace

@@ -4,7 +4,8 @@ import subprocess
 
 from lamella_program import PROGRAM, ProgramTest
 
-COMMANDS = ["", "simulate", "compare", "furnace", "eval", "bench", "explain", "models", "media", "stacks"]
+COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "fit", "invert",
+            "eval", "bench", "explain", "models", "media", "stacks"]
 
 
 class ExamplesOfHelpWorkAsPrinted(ProgramTest):

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "analytic/model.h"
+
+namespace lamella {
+
+/// Where a model is farthest from energy 1 below or above.
+struct SweepExtreme {
+  double energy = 1;
+  double theta = 0;        ///< degrees
+  std::string parameters;  ///< "key=value, ..."
+};
+
+struct FurnaceSweep {
+  int configurations = 0;
+  SweepExtreme least{2}, most{-1};
+};
+
+/// The white furnace of a model over the whole range of its parameters: albedo and f0 at 1, every
+/// other number at five steps of its range (a range that has no end, or belongs to the evaluation
+/// or to a bulk, stays at its default), `surface` at all its choices; energy at mu = 1, 0.9, 0.6,
+/// 0.3, 0.1, 0.02 and 0.
+[[nodiscard]] FurnaceSweep sweep_furnace(const ModelInfo& info);
+
+}  // namespace lamella

@@ -1,0 +1,106 @@
+import os
+import shutil
+
+from lamella_program import ProgramTest
+
+
+class ClosedFormCommands(ProgramTest):
+    def test_samplers_of_eon_keep_the_albedo_and_save_variance_at_grazing(self):
+        answer = self.json_of("samplers", "--samples", "20000", "--wo", "80", "--quiet",
+                              "--model", "eon,roughness=1,sampler=cosine",
+                              "--model", "eon,roughness=1,sampler=mis")
+        cosine, mis = (m["rows"][0] for m in answer["models"])
+        for row in (cosine, mis):
+            self.assertLess(abs(row["mean"] - row["albedo"]), 5 * row["standard_error"])
+        self.assertLess(mis["variance"], 0.2 * cosine["variance"])
+        self.assertLess(mis["max_weight"], 2)
+
+    def test_samplers_without_a_model_makes_the_figures_and_the_timing_table(self):
+        answer = self.json_of("samplers", "--samples", "200", "--wo", "60", "--quiet")
+        self.assertEqual([m["request"] for m in answer["models"][:5]],
+                         [f"eon,roughness=1,sampler={s}"
+                          for s in ("uniform", "cosine", "ltc", "cltc", "mis")])
+        self.assertIn("eon", [t["model"] for t in answer["times"]])
+
+    def test_invert_finds_the_albedo_of_a_model(self):
+        answer = self.json_of("invert", "eon", "color=0.8,0.4,0.1", "roughness=1", "--quiet")
+        for target, reached in zip(answer["color"], answer["reached"]):
+            self.assertAlmostEqual(target, reached, delta=1e-8)
+        r, g, b = answer["albedo"]
+        pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n1,0,1,0\n")
+        rows = self.lamella("eval", "eon.albedo", "roughness=1", f"albedo={r!r},{g!r},{b!r}",
+                            "--pairs", pairs).out.splitlines()
+        for value, target in zip(rows[1].split(",")[4:], answer["color"]):
+            self.assertAlmostEqual(float(value), target, delta=1e-8)
+
+    def test_invert_finds_the_albedo_of_a_stack_and_its_error(self):
+        answer = self.json_of("invert", "lambert_sphere_halfspace", "color=0.5", "--bond",
+                              "--walks", "1e5", "--quiet")
+        # The Bond albedo 0.5 of a half space of Lambert spheres: eq. 46 of d'Eon 2021 gives 0.8733
+        # with a stated error of 0.0063.
+        k = 1 - 0.5
+        published = (1 - k ** 2.73556) / (1 - 0.184096 * k ** 2.48423)
+        self.assertLess(abs(answer["albedo"][0] - published),
+                        0.0063 + 5 * answer["albedo_standard_error"][0])
+
+    def test_invert_says_which_colours_can_be_had(self):
+        answer = self.lamella("invert", "fon", "roughness=1", "color=0.95", status=2)
+        self.assertIn('key "color": found 0.95; allowed: from 0', answer.err)
+        self.assertIn("albedo 1", answer.err)
+        self.lamella("invert", "fon", status=2)
+        self.lamella("invert", "fon", "color=0.5", "albedo=1", status=2)
+        self.lamella("invert", "no_such_thing", "color=0.5", status=2)
+
+    def test_fit_gives_a_model_that_is_nearer_to_the_truth(self):
+        answer = self.json_of("fit", "sggx_slab", "--walks", "1e5", "--quiet", "-o", "fit.txt")
+        self.assertLess(answer["relative_rmse"], 0.5)
+        request = (self.folder / "fit.txt").read_text().strip()
+        self.assertEqual(request, answer["model"])
+        compared = self.json_of("compare", "sggx_slab", "--walks", "1e5", "--quiet", "--wi", "30",
+                                "--model", "spongecake", "--model", request)
+        before, after = ([l["relative_rmse_without_noise"] for l in m["lobes"]
+                          if l["order"] == "all" and l["side"] == "reflect"][0]
+                         for m in compared["models"])
+        self.assertLess(after, 0.5 * before)
+
+    def test_furnace_sweep(self):
+        answer = self.json_of("furnace", "--sweep", "--quiet", "--model", "eon", "--model", "fon")
+        eon, fon = answer["sweep"]
+        self.assertEqual(eon["configurations"], 5)
+        for extreme in (eon["least"], eon["most"]):
+            self.assertAlmostEqual(extreme["energy"], 1, delta=1e-12)
+        self.assertAlmostEqual(fon["least"]["energy"], 0.7764, delta=1e-3)
+        self.assertEqual(fon["least"]["parameters"], "roughness=1")
+
+    def test_stochastic_models_give_their_standard_error(self):
+        pairs = self.write("pairs.csv", "theta_i,phi_i,theta_o,phi_o\n60,0,30,50\n")
+        out = self.lamella("eval", "beckmann_diffuse", "alpha=1", "--pairs", pairs).out
+        header, row = out.splitlines()
+        self.assertTrue(header.endswith(",f,se"))
+        f, se = (float(x) for x in row.split(",")[4:])
+        self.assertTrue(0 < se < 0.1 * f)
+        repeat = self.lamella("eval", "beckmann_diffuse", "alpha=1", "--pairs", pairs).out
+        self.assertEqual(out, repeat)
+
+
+class ModelsOfOnesOwn(ProgramTest):
+    def test_the_example_is_judged_like_any_other(self):
+        shutil.copy(os.path.join(os.environ["LAMELLA_PLUGINS"], "minnaert.so"), self.folder)
+        answer = self.json_of("compare", "lambert_sphere_halfspace", "--walks", "2e4", "--quiet",
+                              "--wi", "60", "--model", "./minnaert.so,albedo=0.6,k=0.8")
+        self.assertEqual(answer["models"][0]["name"], "minnaert")
+        pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n1,0,1,0\n")
+        rows = self.lamella("eval", "./minnaert.so.pdf", "k=1", "--pairs", pairs).out.splitlines()
+        self.assertAlmostEqual(float(rows[1].split(",")[4]), 0.3183098861837907, places=12)
+        self.lamella("furnace", "--model", "./minnaert.so,k=1", "--quiet")
+        self.lamella("furnace", "--model", "./minnaert.so,k=0.5", "--quiet", status=1)
+
+    def test_broken_ones_are_refused(self):
+        folder = os.environ["LAMELLA_PLUGINS"]
+        for name, status in (("no_symbol", 2), ("wrong_version", 2), ("no_eval", 2),
+                             ("not_a_number", 3), ("negative", 3), ("silent", 3)):
+            with self.subTest(name):
+                answer = self.lamella("compare", "sggx_slab", "--walks", "1000", "--quiet",
+                                      "--model", f"{folder}/{name}.so", status=status)
+                self.assertIn(f"{name}.so: ", answer.err)
+                self.assertEqual(len(answer.err.splitlines()), 1)
