@@ -2,6 +2,7 @@
 
 #include "analytic/spongecake.h"
 #include "compare/closed_form_command.h"
+#include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/model_request.h"
 #include "compare/output_folder.h"
@@ -60,22 +61,18 @@ int fit_stack(const Options& options) {
   const Stack stack = stack_of(options);
   check_stack(stack);
   if (!options.output.empty()) check_output_file(options.output);
-  const Plan plan = make_plan(stack, options.max_order);
+  GroundTruth truth(stack, options, kFitGrid, Estimator::analog);
   std::vector<RunResult> runs;
-  for (const Direction wi : incident_directions(options, stack)) {
-    Simulation simulation(stack, plan, wi, Estimator::analog, kFitGrid, options.seed);
-    runs.push_back(
-        run_with_progress(simulation, options, fmt::format("theta_i {:g}", theta_degrees(wi))));
-    if (interrupted) break;
-  }
+  for (std::size_t k = 0; k < truth.directions().size() && !interrupted; ++k)
+    runs.push_back(truth.find(k).run);
   const SpongecakeFit fit = fit_spongecake(stack, runs);
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out,
-               "{}: orders 2 and up, {} walks per direction, what two lobes leave over\n"
+               "{}: orders 2 and up, {}; what two lobes leave over\n"
                "  {:>7} {:>9} {:>13} {:>13} {:>10} {:>9}\n",
-               stack.name, runs.front().walks, "theta_i", "side", "energy truth", "energy lobes",
-               "rel. RMSE", "noise");
+               stack.name, estimator_text(truth.choice(), options), "theta_i", "side",
+               "energy truth", "energy lobes", "rel. RMSE", "noise");
     for (const SpongecakeResidue& r : fit.residues)
       fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>9.2f}% {:>8.2f}%\n",
                  theta_degrees(r.wi), r.reflected ? "reflect" : "transmit", r.energy_truth,

@@ -6,6 +6,7 @@
 #include "analytic/model_plugin.h"
 #include "compare/albedo_inversion.h"
 #include "compare/closed_form_command.h"
+#include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/model_request.h"
 #include "phase/builtin_stacks.h"
@@ -17,7 +18,7 @@ using Json = nlohmann::ordered_json;
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
 
 constexpr double kModelTolerance = 1e-9;
-constexpr CellGrid kTotalsGrid{1, 1, false};
+constexpr CellGrid kTotalsGrid{4, 8, false};
 
 // A colour as it is seen: from one direction, or (Bond) under light from everywhere.
 struct Lighting {
@@ -106,20 +107,23 @@ Answer invert_model(const std::string& name, const ModelInfo& info, const KeyVal
 Answer invert_stack(const Stack& stack, Rgb target, const Options& options,
                     const ClosedFormOptions& closed) {
   const Lighting lighting = lighting_of(options, closed, &stack);
+  Options at = options;
+  at.incident.clear();
+  for (const auto& [wi, weight] : lighting.directions)
+    at.incident.push_back(fmt::format("{:.17g},{:.17g}", theta_degrees(wi), phi_degrees(wi)));
   Rgb variance;
   const auto color = [&](Rgb albedo) {
     Stack with = stack;
     for (Layer& layer : with.layers) layer.albedo = albedo;
-    const Plan plan = make_plan(with, options.max_order);
+    // Walks are the same for every albedo: the colour is smooth in it but for what roulette ends.
+    GroundTruth truth(with, at, kTotalsGrid, Estimator::analog);
     Rgb sum;
     variance = Rgb();
-    for (const auto& [wi, weight] : lighting.directions) {
-      // The same walks for every albedo: the colour is smooth in it but for what roulette ends.
-      Simulation simulation(with, plan, wi, Estimator::analog, kTotalsGrid, options.seed);
-      simulation.advance(options.walks / lighting.directions.size());
-      const RunResult run = reduce(simulation);
+    for (std::size_t k = 0; k < lighting.directions.size(); ++k) {
+      const RunResult run = truth.find(k).run;
+      const double weight = lighting.directions[k].second;
       for (int c = 0; c < 3; ++c) {
-        const Estimate e = run.reflected.total[plan.channels == 3 ? c : 0];
+        const Estimate e = run.reflected.total[run.channels == 3 ? c : 0];
         sum[c] += weight * e.value;
         variance[c] += std::pow(weight * e.standard_error, 2);
       }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "phase/stack.h"
-#include "volume/simulation.h"
+#include "volume/run_result.h"
 
 namespace lamella {
 
