@@ -60,8 +60,8 @@ FurnaceSweep sweep_furnace(const ModelInfo& info) {
         throw std::domain_error(
             fmt::format("{}: the energy at mu = {} is not finite with {}", info.name, mu, text));
       const double theta = std::acos(mu) * 180 / kPi;
-      if (energy < sweep.least.energy) sweep.least = {energy, theta, text};
-      if (energy > sweep.most.energy) sweep.most = {energy, theta, text};
+      if (energy < sweep.least.energy) sweep.least = SweepExtreme{energy, theta, text};
+      if (energy > sweep.most.energy) sweep.most = SweepExtreme{energy, theta, text};
     }
     more = false;
     for (std::size_t k = 0; k < at.size() && !more; ++k) {

@@ -7,13 +7,13 @@ namespace lamella {
 /// Where a model is farthest from energy 1 below or above.
 struct SweepExtreme {
   double energy = 1;
-  double theta = 0;        ///< degrees
-  std::string parameters;  ///< "key=value, ..."
+  double theta = 0;          ///< degrees
+  std::string parameters{};  ///< "key=value, ..."
 };
 
 struct FurnaceSweep {
   int configurations = 0;
-  SweepExtreme least{2}, most{-1};
+  SweepExtreme least{.energy = 2}, most{.energy = -1};
 };
 
 /// The white furnace of a model over the whole range of its parameters: albedo and f0 at 1, every
