@@ -34,6 +34,7 @@ struct BenchmarkEffort {
   double repetition_seconds = 0.12;  ///< of each walk and each baseline
   double evaluation_seconds = 0.01;  ///< of a closed form, per repetition
   double accuracy_seconds = 1.5;     ///< per stack and estimator
+  Isa isa = Isa::scalar;             ///< of the walks
   static BenchmarkEffort quick() { return {3, 0.01, 0.001, 0.05}; }
 };
 

@@ -33,8 +33,10 @@ struct LobeTime {
 // Runs for so long, at doubling numbers of walks, and notes when each lobe came below the target.
 // Time to 1 % is the time taken, scaled by the variance: seconds (error / 1 %)^2.
 std::map<std::string, LobeTime> times_to_target(const Stack& stack, Estimator estimator,
-                                                double seconds, std::uint64_t seed) {
-  Simulation simulation(stack, make_plan(stack), benchmark_incident(), estimator, CellGrid{}, seed);
+                                                double seconds, Isa isa, std::uint64_t seed) {
+  Plan plan = make_plan(stack);
+  plan.isa = isa;
+  Simulation simulation(stack, plan, benchmark_incident(), estimator, CellGrid{}, seed);
   double taken = 0;
   std::map<std::string, LobeTime> times;
   for (std::uint64_t walks = 16 * kBatches; taken < seconds; walks *= 2) {
@@ -62,8 +64,9 @@ void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const R
     const Stack stack = load_stack(name);
     std::map<std::string, LobeTime> analog;
     for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
-      const auto times = one.execute(
-          [&] { return times_to_target(stack, estimator, effort.accuracy_seconds, seed); });
+      const auto times = one.execute([&] {
+        return times_to_target(stack, estimator, effort.accuracy_seconds, effort.isa, seed);
+      });
       if (estimator == Estimator::analog) analog = times;
       for (const auto& [lobe, time] : times) {
         BenchmarkRow row{.what = std::string(name) + "/1%/" + to_text(estimator) + "/" + lobe,

@@ -66,7 +66,8 @@ std::uint64_t calibrate(double seconds, const Advance& advance) {
 void measure_walk(const BenchmarkStack& which, const Task& task, const BenchmarkEffort& effort,
                   std::uint64_t seed, const ReportRow& report) {
   const Stack stack = load_stack(which.name);
-  const Plan plan = make_plan(stack, kMaxOrder);
+  Plan plan = make_plan(stack, kMaxOrder);
+  plan.isa = effort.isa;
   const Direction wi = benchmark_incident();
   const std::vector<Direction> points = benchmark_points(task.points);
   const auto simulation =
@@ -95,7 +96,8 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
   row.error = targets ? mean_target_error(*simulation, targets) : reflected_error(*simulation);
   row.baseline = describe(which.textbook.medium);
   row.ratio_to_baseline = times.median_ratio() * collisions / textbook_collisions;
-  row.extra = {{"walks", simulation->walks()}};
+  row.extra = {{"walks", simulation->walks()}, {"isa", to_text(simulation->isa())}};
+  if (const auto occupancy = simulation->lane_occupancy()) row.extra["lane_occupancy"] = *occupancy;
   report(std::move(row));
 }
 
@@ -147,10 +149,11 @@ void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const Re
   const Stack stack = load_stack(name);
   const int threads = tbb::this_task_arena::max_concurrency();
   tbb::task_arena one(1);
-  Simulation single(stack, make_plan(stack, kMaxOrder), benchmark_incident(), Estimator::analog,
-                    kCells, seed);
-  Simulation parallel(stack, make_plan(stack, kMaxOrder), benchmark_incident(), Estimator::analog,
-                      kCells, seed);
+  Plan plan = make_plan(stack, kMaxOrder);
+  plan.isa = effort.isa;
+  const Direction wi = benchmark_incident();
+  Simulation single(stack, plan, wi, Estimator::analog, kCells, seed);
+  Simulation parallel(stack, plan, wi, Estimator::analog, kCells, seed);
   const auto advance = [](Simulation& s, std::uint64_t n) { s.advance(s.walks() + n); };
   const std::uint64_t walks =
       calibrate(effort.repetition_seconds, [&](std::uint64_t n) { advance(parallel, n); });

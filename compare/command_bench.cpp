@@ -29,7 +29,8 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
 
 int bench_command(const Options& options) {
   using Json = nlohmann::ordered_json;
-  const BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
+  BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
+  effort.isa = isa_of(options);
   std::FILE* out = table_stream(options);
   if (!options.quiet)
     fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", "what", "seconds", "coll./s",

@@ -36,7 +36,7 @@ Json list_answer(const std::string& command) { return {{"format", 1}, {"command"
 
 int explain_command(const Options& options) {
   const Stack stack = stack_of(options);
-  const Plan plan = make_plan(stack, options.max_order);
+  const Plan plan = plan_of(options, stack);
   std::FILE* out = table_stream(options);
   Json answer = json_header("explain", stack, options);
   answer["plan"] = Json::array();

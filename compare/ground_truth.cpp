@@ -26,7 +26,7 @@ GroundTruth::GroundTruth(const Stack& stack, const Options& options, CellGrid gr
       options_(options),
       grid_(grid),
       of_walks_(of_walks),
-      plan_(make_plan(stack, options.max_order)),
+      plan_(plan_of(options, stack)),
       directions_(incident_directions(options, stack)) {
   check_estimator(stack, options);
 }

@@ -56,7 +56,7 @@ Json json_header(const std::string& command, const Options& options) {
           {"version", LAMELLA_VERSION},
           {"seed", options.seed},
           {"threads", tbb::this_task_arena::max_concurrency()},
-          {"isa", "scalar"}};
+          {"isa", to_text(isa_of(options))}};
 }
 
 Json json_header(const std::string& command, const Stack& stack, const Options& options) {

@@ -82,7 +82,7 @@ std::map<std::string, std::string> file_attributes(const Stack& stack,
       {"lamella.max_order", fmt::format("{}", options.max_order)},
       {"lamella.estimator", to_text(runs[0].estimator)},
       {"lamella.estimator_asked", options.estimator},
-      {"lamella.isa", "scalar"},
+      {"lamella.isa", to_text(isa_of(options))},
       {"lamella.incident", directions},
       {"lamella.grid", fmt::format("{}x{}", grid.mu_cells, grid.phi_cells)},
       {"lamella.phi", grid.folded

@@ -126,6 +126,16 @@ void add_seed_and_threads(CLI::App& command, Options& options) {
       ->type_name("N");
 }
 
+void add_isa(CLI::App& command, Options& options) {
+  command
+      .add_option(
+          "--isa", options.isa,
+          "Instruction set of the kernels (default auto: the widest of the machine, or what "
+          "LAMELLA_ISA names)")
+      ->transform(one_of({"auto", "scalar", "sse4", "avx2", "avx512"}))
+      ->type_name("auto|scalar|sse4|avx2|avx512");
+}
+
 void add_run_options(CLI::App& command, Options& options, std::string& walks) {
   command.add_option("STACK", options.stack,
                      "TOML file, - for stdin, or a built-in stack (lamella stacks)");
@@ -159,9 +169,7 @@ void add_run_options(CLI::App& command, Options& options, std::string& walks) {
       ->transform(positive_number())
       ->type_name("E");
   add_seed_and_threads(command, options);
-  command.add_option("--isa", options.isa, "Instruction set of the kernels (default auto)")
-      ->transform(one_of({"auto", "scalar"}))
-      ->type_name("auto|scalar");
+  add_isa(command, options);
   add_json(command, options);
 }
 
@@ -230,8 +238,7 @@ int run_program(int argc, char** argv) {
   bench->add_option("--threads", options.threads, "Threads of the scaling row (default: all)")
       ->check(CLI::Range(1, 4096))
       ->type_name("N");
-  bench->add_option("--isa", options.isa, "Instruction set of the kernels (default auto)")
-      ->check(CLI::IsMember({"auto", "scalar"}));
+  add_isa(*bench, options);
   bench->add_flag("--quick", options.quick, "Every row in a few seconds: noisy");
   add_json(*bench, options);
   bench->footer("Example: lamella bench --quick --json bench.json");
@@ -307,6 +314,7 @@ int run_program(int argc, char** argv) {
   CLI::App* explain = app.add_subcommand("explain", "What the walk models of a stack, and why");
   explain->add_option("STACK", options.stack, "TOML file, - for stdin, or a built-in stack");
   add_max_order(*explain, options);
+  add_isa(*explain, options);
   add_json(*explain, options);
   explain->footer("Example: lamella explain spongecake_plant");
 

@@ -118,6 +118,20 @@ Stack stack_of(const Options& options) {
   return load_stack(options.stack.empty() ? std::string(kDefaultStack) : options.stack);
 }
 
+Isa isa_of(const Options& options) {
+  try {
+    return isa_from_text(options.isa);
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(e.what());
+  }
+}
+
+Plan plan_of(const Options& options, const Stack& stack) {
+  Plan plan = make_plan(stack, options.max_order);
+  plan.isa = isa_of(options);
+  return plan;
+}
+
 StopRule stop_rule(const Options& options) {
   return {options.walks, options.target_error, options.seconds};
 }

@@ -61,6 +61,10 @@ struct Options {
 /// --walks: digits, or a number like 1e6; at least one walk per batch.
 [[nodiscard]] std::uint64_t parse_walks(const std::string& text);
 [[nodiscard]] Stack stack_of(const Options& options);
+/// --isa, or what `auto` stands for on this machine.
+[[nodiscard]] Isa isa_of(const Options& options);
+/// The narrowest plan for the stack, with --max-order and --isa.
+[[nodiscard]] Plan plan_of(const Options& options, const Stack& stack);
 [[nodiscard]] StopRule stop_rule(const Options& options);
 
 /// Polar angle and azimuth in degrees, rounded to what a user typed.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "volume/lane_run.h"
+
 namespace lamella {
 
 std::string to_text(Estimator estimator) {
@@ -96,6 +98,16 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                    stack.is_half_space() ? "a half space keeps some walks for ever: their share is "
                                            "reported as unresolved"
                                          : "what is cut is reported as unresolved"});
+  const auto scalar = why_not_lanes(stack, plan);
+  notes.push_back(
+      scalar ? PlanNote{"instructions", "scalar kernel, double precision", *scalar}
+             : PlanNote{"instructions",
+                        fmt::format("{} lanes, single precision; next-event cells: scalar kernel, "
+                                    "double precision",
+                                    to_text(plan.isa)),
+                        "one grey layer whose depth and medium float resolves; the first collision "
+                        "is forced "
+                        "where its chance is below 5 %"});
   return notes;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "phase/isa.h"
 #include "phase/stack.h"
 #include "volume/cell_grid.h"
 
@@ -25,6 +26,7 @@ struct Plan {
   bool uniform_medium = true;      ///< all layers hold the same kind of medium
   bool transmits = true;           ///< light can leave below: tallies for that side
   std::uint64_t max_order = 1000;  ///< walks are cut after this many events, as unresolved
+  Isa isa = Isa::scalar;           ///< lanes where a kernel exists, see volume/lane_run.h
 
   /// Which layers of the stack have any depth; the others are left out.
   std::vector<int> layers;

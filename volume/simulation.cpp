@@ -5,6 +5,8 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "volume/lane_run.h"
+
 namespace lamella {
 namespace {
 
@@ -45,6 +47,13 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * targets_.count());
+  if (estimator == Estimator::analog && !why_not_lanes(stack_, plan_)) {
+    lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, &targets_);
+    run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {
+      lanes_->run(batch, from, to, batches_[batch]);
+    };
+    return;
+  }
   run_batch_ = plan.channels == 1 ? runner<1>(estimator, false) : runner<3>(estimator, false);
 }
 
@@ -60,6 +69,13 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
       batches_(kBatches) {
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * points_.size());
+  if (!why_not_lanes_at(stack_, plan_, points_)) {
+    lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, points_);
+    run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {
+      lanes_->run(batch, from, to, batches_[batch]);
+    };
+    return;
+  }
   run_batch_ = plan.channels == 1 ? runner<1>(Estimator::next_event, true)
                                   : runner<3>(Estimator::next_event, true);
 }
@@ -110,6 +126,11 @@ void Simulation::advance(std::uint64_t walks) {
     run_batch_(batch, count(walks_), count(walks));
   });
   walks_ = walks;
+}
+
+std::optional<double> Simulation::lane_occupancy() const {
+  if (!lanes_) return std::nullopt;
+  return lanes_->occupancy();
 }
 
 std::uint64_t Simulation::collisions() const {

@@ -17,6 +17,8 @@ namespace lamella {
 /// from the scatter between them.
 inline constexpr int kBatches = 128;
 
+class LaneRun;
+
 /// The walks of one incident direction. For a given seed, estimator and number of walks the sums
 /// are the same to the last bit for any number of threads and any way in which `advance` got there.
 class Simulation {
@@ -43,6 +45,10 @@ class Simulation {
   [[nodiscard]] Direction incident() const { return incident_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] Estimator estimator() const { return estimator_; }
+  /// What the walks run on: the plan's, or scalar where it has no kernel for them.
+  [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
+  /// Share of the lanes that were at a collision at each step; nothing for scalar walks.
+  [[nodiscard]] std::optional<double> lane_occupancy() const;
 
  private:
   using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;
@@ -60,6 +66,7 @@ class Simulation {
   WalkStack walk_stack_;
   std::vector<BatchTally> batches_;
   RunBatch run_batch_;
+  std::unique_ptr<LaneRun> lanes_;
 };
 
 /// Reduces the batches of a simulation on cells, in batch order.

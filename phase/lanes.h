@@ -1,0 +1,233 @@
+#pragma once
+
+// Lanes: as many numbers as one instruction works on. Only for sources that lamella_lanes() in the
+// top CMakeLists.txt compiles once per instruction set, which defines LAMELLA_ISA as the set's
+// name: everything here, and whatever such a source instantiates with these types, then has that
+// name in its symbol, and the linker cannot take a wide copy for a narrow machine. Such a source
+// must use nothing of the standard library that is not a template over these types (a test reads
+// its symbols). See phase/README.md.
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#ifndef LAMELLA_ISA
+#error "phase/lanes.h is for sources of lamella_lanes()"
+#endif
+
+#define LAMELLA_INLINE [[gnu::always_inline]] inline
+
+namespace lamella::LAMELLA_ISA {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A condition per lane.
+template <class T>
+struct Mask {
+  using Tag = hn::ScalableTag<T>;
+  hn::Mask<Tag> m;
+
+  LAMELLA_INLINE friend Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+  LAMELLA_INLINE friend Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
+  LAMELLA_INLINE friend Mask operator^(Mask a, Mask b) { return {hn::Xor(a.m, b.m)}; }
+  LAMELLA_INLINE friend Mask operator!(Mask a) { return {hn::Not(a.m)}; }
+};
+
+/// So many numbers of type T, float or double (Floats, Doubles below) or std::uint32_t (Words).
+template <class T>
+struct Lane {
+  using Tag = hn::ScalableTag<T>;
+  using Vector = hn::Vec<Tag>;
+  static constexpr int kCount = HWY_LANES(T);
+
+  Vector v;
+
+  Lane() = default;
+  LAMELLA_INLINE Lane(Vector vector) : v(vector) {}
+  /// The same number in every lane.
+  template <class U>
+  requires std::is_arithmetic_v<U> LAMELLA_INLINE explicit Lane(U x)
+      : v(hn::Set(Tag(), static_cast<T>(x))) {}
+
+  LAMELLA_INLINE friend Lane operator+(Lane a, Lane b) { return hn::Add(a.v, b.v); }
+  LAMELLA_INLINE friend Lane operator-(Lane a, Lane b) { return hn::Sub(a.v, b.v); }
+  LAMELLA_INLINE friend Lane operator*(Lane a, Lane b) { return hn::Mul(a.v, b.v); }
+  LAMELLA_INLINE friend Lane operator/(Lane a, Lane b) { return hn::Div(a.v, b.v); }
+  LAMELLA_INLINE friend Lane operator-(Lane a) { return hn::Neg(a.v); }
+  LAMELLA_INLINE friend Lane operator^(Lane a, Lane b) { return hn::Xor(a.v, b.v); }
+  LAMELLA_INLINE friend Lane operator&(Lane a, Lane b) { return hn::And(a.v, b.v); }
+  LAMELLA_INLINE friend Lane operator|(Lane a, Lane b) { return hn::Or(a.v, b.v); }
+  LAMELLA_INLINE friend Mask<T> operator<(Lane a, Lane b) { return {hn::Lt(a.v, b.v)}; }
+  LAMELLA_INLINE friend Mask<T> operator>(Lane a, Lane b) { return {hn::Gt(a.v, b.v)}; }
+  LAMELLA_INLINE friend Mask<T> operator<=(Lane a, Lane b) { return b >= a; }
+  LAMELLA_INLINE friend Mask<T> operator>=(Lane a, Lane b) {
+    if constexpr (std::is_floating_point_v<T>)
+      return {hn::Ge(a.v, b.v)};
+    else
+      return !(a < b);
+  }
+  LAMELLA_INLINE friend Mask<T> equal(Lane a, Lane b) { return {hn::Eq(a.v, b.v)}; }
+
+  LAMELLA_INLINE friend Lane select(Mask<T> condition, Lane a, Lane b) {
+    return hn::IfThenElse(condition.m, a.v, b.v);
+  }
+  LAMELLA_INLINE friend Lane min(Lane a, Lane b) { return hn::Min(a.v, b.v); }
+  LAMELLA_INLINE friend Lane max(Lane a, Lane b) { return hn::Max(a.v, b.v); }
+  LAMELLA_INLINE friend Lane abs(Lane a) { return hn::Abs(a.v); }
+  LAMELLA_INLINE friend Lane nonnegative(Lane a) { return hn::Max(a.v, hn::Zero(Tag())); }
+  LAMELLA_INLINE friend Lane copysign(Lane a, Lane sign) { return hn::CopySign(a.v, sign.v); }
+  LAMELLA_INLINE friend Lane multiply_add(Lane a, Lane b, Lane c) {
+    return hn::MulAdd(a.v, b.v, c.v);
+  }
+  LAMELLA_INLINE friend Lane round(Lane a) { return hn::Round(a.v); }
+  LAMELLA_INLINE friend Lane floor(Lane a) { return hn::Floor(a.v); }
+  LAMELLA_INLINE friend Lane reciprocal(Lane a) {
+    if constexpr (std::is_same_v<T, float>) {
+      const Lane x = hn::ApproximateReciprocal(a.v);  // and one step of Newton's
+      return x * hn::NegMulAdd(a.v, x.v, hn::Set(Tag(), 2));
+    } else {
+      return Lane(1) / a;
+    }
+  }
+  LAMELLA_INLINE friend Lane reciprocal_sqrt(Lane a) {
+    if constexpr (std::is_same_v<T, float>) {
+      const Lane x = hn::ApproximateReciprocalSqrt(a.v);
+      const Lane half = Lane(0.5f) * a * x;
+      return x * hn::NegMulAdd(half.v, x.v, hn::Set(Tag(), 1.5f));
+    } else {
+      return Lane(1) / sqrt(a);
+    }
+  }
+  LAMELLA_INLINE friend Lane divide(Lane a, Lane b) { return a * reciprocal(b); }
+  LAMELLA_INLINE friend Lane sqrt(Lane a) { return hn::Sqrt(a.v); }
+
+  /// From and to so many numbers in memory, aligned or not.
+  LAMELLA_INLINE static Lane load(const T* from) { return hn::LoadU(Tag(), from); }
+  LAMELLA_INLINE void store(T* to) const { hn::StoreU(v, Tag(), to); }
+  /// 0, 1, 2, ...
+  LAMELLA_INLINE static Lane iota() { return hn::Iota(Tag(), T(0)); }
+};
+
+using Floats = Lane<float>;
+using Doubles = Lane<double>;
+using Words = Lane<std::uint32_t>;
+using FloatMask = Mask<float>;
+using WordMask = Mask<std::uint32_t>;
+
+LAMELLA_INLINE Words operator<<(Words a, int n) { return hn::ShiftLeftSame(a.v, n); }
+LAMELLA_INLINE Words operator>>(Words a, int n) { return hn::ShiftRightSame(a.v, n); }
+template <int n>
+LAMELLA_INLINE Words shift_right(Words a) {
+  return hn::ShiftRight<n>(a.v);
+}
+template <int n>
+LAMELLA_INLINE Words shift_left(Words a) {
+  return hn::ShiftLeft<n>(a.v);
+}
+
+LAMELLA_INLINE FloatMask to_float_mask(WordMask a) {
+  return {hn::RebindMask(FloatMask::Tag(), a.m)};
+}
+LAMELLA_INLINE WordMask to_word_mask(FloatMask a) { return {hn::RebindMask(WordMask::Tag(), a.m)}; }
+
+/// The bits of a number, and back.
+LAMELLA_INLINE Words bits_of(Floats a) { return hn::BitCast(Words::Tag(), a.v); }
+LAMELLA_INLINE Floats from_bits(Words a) { return hn::BitCast(Floats::Tag(), a.v); }
+/// Numbers below 2^31 as floats.
+LAMELLA_INLINE Floats to_floats(Words a) {
+  return hn::ConvertTo(Floats::Tag(), hn::BitCast(hn::ScalableTag<std::int32_t>(), a.v));
+}
+/// Rounded towards 0; below 2^31 in size, negative numbers as two's complement.
+LAMELLA_INLINE Words to_words(Floats a) {
+  return hn::BitCast(Words::Tag(), hn::ConvertTo(hn::ScalableTag<std::int32_t>(), a.v));
+}
+
+template <class T>
+LAMELLA_INLINE bool any(Mask<T> a) {
+  return !hn::AllFalse(typename Mask<T>::Tag(), a.m);
+}
+template <class T>
+LAMELLA_INLINE int count(Mask<T> a) {
+  return static_cast<int>(hn::CountTrue(typename Mask<T>::Tag(), a.m));
+}
+/// The condition of lane k in bit k.
+template <class T>
+LAMELLA_INLINE std::uint32_t mask_bits(Mask<T> a) {
+#if HWY_TARGET == HWY_AVX3
+  return static_cast<std::uint32_t>(a.m.raw);
+#else
+  return static_cast<std::uint32_t>(hn::detail::BitsFromMask(a.m));
+#endif
+}
+template <class T>
+LAMELLA_INLINE Mask<T> first_lanes(int n) {
+  return {hn::FirstN(typename Mask<T>::Tag(), static_cast<std::size_t>(n))};
+}
+
+/// Stores the lanes where the condition holds, one after the other; writes all kCount places. The
+/// caller counts.
+template <class T, class M>
+LAMELLA_INLINE void store_compressed(Lane<T> a, Mask<M> condition, T* to) {
+  const auto mask = hn::RebindMask(typename Lane<T>::Tag(), condition.m);
+  hn::StoreU(hn::Compress(a.v, mask), typename Lane<T>::Tag(), to);
+}
+
+namespace detail {
+#if HWY_TARGET != HWY_AVX3
+// Row b: how many bits of b are set below each bit, four bits at a time.
+struct RankTable {
+  std::uint8_t row[1 << 4][4];
+};
+constexpr RankTable make_ranks() {
+  RankTable table{};
+  for (int b = 0; b < 1 << 4; ++b)
+    for (int k = 0, rank = 0; k < 4; ++k) {
+      table.row[b][k] = static_cast<std::uint8_t>(rank);
+      rank += (b >> k) & 1;
+    }
+  return table;
+}
+inline constexpr RankTable kRanks = make_ranks();
+#endif
+}  // namespace detail
+
+/// For the lanes where the condition holds: 0 for the first of them, 1 for the next, ...; for the
+/// others any number below kCount.
+template <class T>
+LAMELLA_INLINE Words rank_of(Mask<T> a) {
+#if HWY_TARGET == HWY_AVX3
+  return hn::Vec<Words::Tag>{
+      _mm512_maskz_expand_epi32(static_cast<__mmask16>(a.m.raw), Words::iota().v.raw)};
+#else
+  alignas(32) std::uint8_t ranks[8] = {};
+  const std::uint32_t bits = mask_bits(a);
+  __builtin_memcpy(ranks, detail::kRanks.row[bits & 15], 4);
+  if constexpr (Words::kCount > 4) {
+    std::uint32_t upper = 0;
+    __builtin_memcpy(&upper, detail::kRanks.row[(bits >> 4) & 15], 4);
+    upper += 0x01010101u * static_cast<std::uint32_t>(__builtin_popcount(bits & 15));
+    upper &= 0x07070707u;
+    __builtin_memcpy(ranks + 4, &upper, 4);
+  }
+  const hn::Rebind<std::uint8_t, Words::Tag> bytes;
+  return hn::PromoteTo(Words::Tag(), hn::LoadU(bytes, ranks));
+#endif
+}
+
+/// Lane k is lane index[k] of a.
+template <class T>
+LAMELLA_INLINE Lane<T> permute(Lane<T> a, Words index) {
+  const typename Lane<T>::Tag d;
+  return hn::TableLookupLanes(
+      a.v, hn::IndicesFromVec(d, hn::BitCast(hn::ScalableTag<std::int32_t>(), index.v)));
+}
+
+/// table[index] per lane.
+LAMELLA_INLINE Floats gather(const float* table, Words index) {
+  return hn::GatherIndex(Floats::Tag(), table,
+                         hn::BitCast(hn::ScalableTag<std::int32_t>(), index.v));
+}
+
+}  // namespace lamella::LAMELLA_ISA

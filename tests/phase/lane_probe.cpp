@@ -1,0 +1,65 @@
+#include "tests/phase/lane_probe.h"
+
+#include "phase/lane_math.h"
+#include "phase/lane_random.h"
+
+namespace lamella::LAMELLA_ISA {
+
+constexpr std::size_t kStep = Floats::kCount;
+
+void probe_math(const float* x, float* log_x, float* exp_x, float* sine, float* cosine,
+                std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Floats v = Floats::load(x + i);
+    log(abs(v)).store(log_x + i);
+    exp(v).store(exp_x + i);
+    const auto [s, c] = sine_cosine_near_zero(v);
+    s.store(sine + i);
+    c.store(cosine + i);
+  }
+}
+
+void probe_turns(const float* y, const float* x, float* turns, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep)
+    turns_of(Floats::load(y + i), Floats::load(x + i)).store(turns + i);
+}
+
+void probe_reciprocals(const float* x, float* inverse, float* inverse_root, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    reciprocal(Floats::load(x + i)).store(inverse + i);
+    reciprocal_sqrt(Floats::load(x + i)).store(inverse_root + i);
+  }
+}
+
+void probe_philox(std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,
+                  std::uint32_t purpose, std::uint32_t* words, float* uniform, float* rest,
+                  float* fine, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const WordBlock block =
+        philox(Words::load(c0 + i), Words(purpose), Words::load(c2 + i), Words(0u),
+               static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32));
+    for (std::size_t k = 0; k < 4; ++k) block.w[k].store(words + k * count + i);
+    uniform_of(block.w[0]).store(uniform + i);
+    uniform_of_rest(block.w[1], block.w[2], block.w[3]).store(rest + i);
+    fine_uniform_of(block.w[0]).store(fine + i);
+  }
+}
+
+int probe_masks(const float* x, const std::uint32_t* masks, float* compressed, std::uint32_t* ranks,
+                float* permuted, std::uint32_t* bits, std::size_t groups) {
+  for (std::size_t g = 0; g < groups; ++g) {
+    const std::size_t at = g * kStep;
+    std::uint32_t chosen[kStep];
+    for (std::size_t k = 0; k < kStep; ++k) chosen[k] = (masks[g] >> k) & 1;
+    const FloatMask mask = to_float_mask(equal(Words::load(chosen), Words(1u)));
+    const Floats v = Floats::load(x + at);
+    store_compressed(v, mask, compressed + at);
+    const Words rank = rank_of(mask);
+    rank.store(ranks + at);
+    permute(v, rank).store(permuted + at);
+    bits[g] = mask_bits(mask);
+  }
+  return static_cast<int>(kStep);
+}
+
+}  // namespace lamella::LAMELLA_ISA

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "phase/isa.h"
+
+namespace lamella {
+
+// The functions of phase/lane_*.h over arrays of any multiple of 16 numbers, for each instruction
+// set.
+LAMELLA_LANE_FUNCTION(void, probe_math,
+                      (const float* x, float* log, float* exp, float* sine, float* cosine,
+                       std::size_t count))
+LAMELLA_LANE_FUNCTION(void, probe_turns,
+                      (const float* y, const float* x, float* turns, std::size_t count))
+LAMELLA_LANE_FUNCTION(void, probe_reciprocals,
+                      (const float* x, float* reciprocal, float* reciprocal_sqrt,
+                       std::size_t count))
+/// words: four per counter, one after the other.
+LAMELLA_LANE_FUNCTION(void, probe_philox,
+                      (std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,
+                       std::uint32_t purpose, std::uint32_t* words, float* uniform, float* rest,
+                       float* fine, std::size_t count))
+/// Bit k of masks[i] is the condition of lane k of group i: the chosen lanes of x in order, the
+/// ranks, and x permuted by them. Returns the lanes of a group.
+LAMELLA_LANE_FUNCTION(int, probe_masks,
+                      (const float* x, const std::uint32_t* masks, float* compressed,
+                       std::uint32_t* ranks, float* permuted, std::uint32_t* bits,
+                       std::size_t groups))
+
+}  // namespace lamella

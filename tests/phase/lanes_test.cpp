@@ -1,0 +1,155 @@
+// Lanes of float on every instruction set that the machine has, against double.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "phase/random.h"
+#include "tests/phase/lane_probe.h"
+
+namespace lamella {
+namespace {
+
+std::vector<Isa> lane_isas() {
+  std::vector<Isa> list = supported_isas();
+  list.erase(list.begin());  // scalar
+  return list;
+}
+
+class Lanes : public ::testing::TestWithParam<Isa> {};
+
+constexpr std::size_t kMany = 1 << 14;
+
+std::vector<float> spread(double from, double to) {
+  std::vector<float> x(kMany);
+  for (std::size_t i = 0; i < kMany; ++i)
+    x[i] = static_cast<float>(from + (to - from) * (static_cast<double>(i) + 0.5) / kMany);
+  return x;
+}
+
+TEST_P(Lanes, LogarithmAndExponentialKeepTheirStatedErrors) {
+  for (const auto& x :
+       {spread(-87, 88), spread(-1, 0.9999), spread(0.999, 1.001), spread(1e-10, 1e-6)}) {
+    std::vector<float> log(kMany), exp(kMany), sine(kMany), cosine(kMany);
+    probe_math_for(GetParam())(x.data(), log.data(), exp.data(), sine.data(), cosine.data(), kMany);
+    for (std::size_t i = 0; i < kMany; ++i) {
+      const double v = x[i], l = std::log(std::abs(v));
+      if (v > -87) EXPECT_NEAR(exp[i], std::exp(v), 2e-7 * std::exp(v)) << v;
+      double allowed = 1.2e-7 * std::max(1.0, std::abs(l));
+      if (std::abs(v) > 0.5 && std::abs(v) < 2) allowed = std::min(allowed, 3e-7 * std::abs(l));
+      EXPECT_NEAR(log[i], l, allowed) << v;
+    }
+  }
+}
+
+TEST_P(Lanes, SineAndCosineKeepTheirStatedError) {
+  const auto x = spread(-M_PI / 4, M_PI / 4);
+  std::vector<float> log(kMany), exp(kMany), sine(kMany), cosine(kMany);
+  probe_math_for(GetParam())(x.data(), log.data(), exp.data(), sine.data(), cosine.data(), kMany);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    EXPECT_NEAR(sine[i], std::sin(static_cast<double>(x[i])), 1.2e-7);
+    EXPECT_NEAR(cosine[i], std::cos(static_cast<double>(x[i])), 1.2e-7);
+  }
+}
+
+TEST_P(Lanes, TurnsKeepTheirStatedErrorAllAround) {
+  const auto turns = spread(0, 1);
+  std::vector<float> x(kMany), y(kMany), found(kMany);
+  for (const double radius : {1.0, 1e-6})
+    for (int shift = 0; shift < 2; ++shift) {  // the second time with the axes themselves
+      for (std::size_t i = 0; i < kMany; ++i) {
+        const double t = 2 * M_PI * (shift ? (i % 4) / 4.0 : turns[i]);
+        x[i] = static_cast<float>(radius * std::cos(t));
+        y[i] = static_cast<float>(radius * std::sin(t));
+      }
+      probe_turns_for(GetParam())(y.data(), x.data(), found.data(), kMany);
+      for (std::size_t i = 0; i < kMany; ++i) {
+        double exact =
+            std::atan2(static_cast<double>(y[i]), static_cast<double>(x[i])) / (2 * M_PI);
+        exact -= std::floor(exact);
+        EXPECT_LE(std::abs(std::remainder(found[i] - exact, 1.0)), 5e-8) << x[i] << ' ' << y[i];
+        EXPECT_GE(found[i], 0);
+        EXPECT_LT(found[i], 1);
+      }
+    }
+}
+
+TEST_P(Lanes, ReciprocalsKeepTheirStatedErrors) {
+  for (const auto& x : {spread(0.5, 2), spread(1e-30, 1e-28), spread(1e25, 1e29)}) {
+    std::vector<float> inverse(kMany), root(kMany);
+    probe_reciprocals_for(GetParam())(x.data(), inverse.data(), root.data(), kMany);
+    for (std::size_t i = 0; i < kMany; ++i) {
+      const double v = x[i];
+      EXPECT_NEAR(inverse[i] * v, 1, 3e-7);
+      EXPECT_NEAR(root[i] * std::sqrt(v), 1, 3e-7);
+    }
+  }
+}
+
+TEST_P(Lanes, PhiloxGivesTheNumbersOfTheScalarStream) {
+  constexpr std::size_t count = 256;
+  constexpr std::uint64_t seed = 0x123456789abcdefULL;
+  std::vector<std::uint32_t> c0(count), c2(count), words(4 * count);
+  std::vector<float> uniform(count), rest(count), fine(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    c0[i] = static_cast<std::uint32_t>(i % 3);
+    c2[i] = static_cast<std::uint32_t>(0x9e3779b9u * i);
+  }
+  probe_philox_for(GetParam())(seed, c0.data(), c2.data(),
+                               static_cast<std::uint32_t>(StreamPurpose::test), words.data(),
+                               uniform.data(), rest.data(), fine.data(), count);
+  for (std::size_t i = 0; i < count; ++i) {
+    RandomStream stream(seed, c2[i], StreamPurpose::test);
+    for (std::uint32_t skipped = 0; skipped < 4 * c0[i]; ++skipped) (void)stream.bits();
+    std::uint32_t w[4];
+    for (auto& word : w) word = stream.bits();
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(words[k * count + i], w[k]);
+    EXPECT_EQ(uniform[i], static_cast<float>(((w[0] >> 9) + 0.5) * 0x1p-23));
+    const std::uint32_t low = (w[1] & 511) | (w[2] & 511) << 9 | (w[3] & 31) << 18;
+    EXPECT_EQ(rest[i], static_cast<float>((low + 0.5) * 0x1p-23));
+    EXPECT_NEAR(fine[i] / ((w[0] + 0.5) * 0x1p-32), 1, 2e-7);
+  }
+}
+
+TEST_P(Lanes, ChosenLanesAreCompressedAndRankedInOrder) {
+  constexpr std::size_t groups = 1 << 12;
+  std::vector<std::uint32_t> masks(groups), ranks(groups * 16), bits(groups);
+  std::vector<float> x(groups * 16), compressed(groups * 16), permuted(groups * 16);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<float>(i);
+  for (std::size_t g = 0; g < groups; ++g) masks[g] = static_cast<std::uint32_t>(g * 0x9e3779b1u);
+  const auto lanes = static_cast<std::size_t>(
+      probe_masks_for(GetParam())(x.data(), masks.data(), compressed.data(), ranks.data(),
+                                  permuted.data(), bits.data(), groups));
+  for (std::size_t g = 0; g < groups; ++g) {
+    EXPECT_EQ(bits[g], masks[g] & ((1u << lanes) - 1));
+    std::uint32_t rank = 0;
+    for (std::size_t k = 0; k < lanes; ++k) {
+      EXPECT_LT(ranks[g * lanes + k], lanes);
+      if (!((masks[g] >> k) & 1)) continue;
+      EXPECT_EQ(ranks[g * lanes + k], rank);
+      EXPECT_EQ(compressed[g * lanes + rank], x[g * lanes + k]);
+      EXPECT_EQ(permuted[g * lanes + k], x[g * lanes + rank]);
+      ++rank;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryIsa, Lanes, ::testing::ValuesIn(lane_isas()),
+                         [](const auto& isa) { return to_text(isa.param); });
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Lanes);
+
+TEST(IsaNames, AreReadAndAWrongOneSaysWhatIsAllowed) {
+  EXPECT_EQ(isa_from_text("scalar"), Isa::scalar);
+  for (const Isa isa : supported_isas()) EXPECT_EQ(isa_from_text(to_text(isa)), isa);
+  EXPECT_THROW((void)isa_from_text("avx"), std::invalid_argument);
+  ::setenv("LAMELLA_ISA", "scalar", 1);
+  EXPECT_EQ(isa_from_text("auto"), Isa::scalar);
+  EXPECT_EQ(isa_from_text(to_text(supported_isas().back())), supported_isas().back());
+  ::setenv("LAMELLA_ISA", "mmx", 1);
+  EXPECT_THROW((void)isa_from_text("auto"), std::invalid_argument);
+  ::unsetenv("LAMELLA_ISA");
+  EXPECT_EQ(isa_from_text("auto"), supported_isas().back());
+}
+
+}  // namespace
+}  // namespace lamella

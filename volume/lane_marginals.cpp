@@ -1,0 +1,92 @@
+#include "volume/lane_marginals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "volume/lane_walk.h"
+
+namespace lamella {
+namespace {
+
+// Quantiles of a density on [0, end], from its integral over small intervals by Simpson's rule.
+template <class Density>
+class Quantiles {
+ public:
+  Quantiles(const Density& density, double end)
+      : density_(density), width_(end / kIntervals), sums_(kIntervals + 1) {
+    for (int k = 0; k < kIntervals; ++k)
+      sums_[k + 1] = sums_[k] + integral(k * width_, (k + 1) * width_);
+  }
+  double operator()(double probability) const {
+    const double goal = probability * sums_.back();
+    const auto above = std::upper_bound(sums_.begin(), sums_.end() - 1, goal);
+    const auto k = std::max<std::ptrdiff_t>(above - sums_.begin() - 1, 0);
+    const double from = static_cast<double>(k) * width_;
+    double low = 0, high = width_;
+    for (int step = 0; step < 50; ++step) {
+      const double middle = (low + high) / 2;
+      (sums_[k] + integral(from, from + middle) < goal ? low : high) = middle;
+    }
+    return from + (low + high) / 2;
+  }
+  double normalised(double x) const { return density_(x) / sums_.back(); }
+
+ private:
+  static constexpr int kIntervals = 4096;
+  double integral(double a, double b) const {
+    return (b - a) / 6 * (density_(a) + 4 * density_((a + b) / 2) + density_(b));
+  }
+  Density density_;
+  double width_;
+  std::vector<double> sums_;
+};
+
+// Appends the cubics of value(t), monotone: slopes at most three times those of the secants beside.
+template <class Value>
+void append(std::vector<float>& table, const Value& value) {
+  constexpr int n = kMarginalPieces;
+  std::vector<double> y(n + 1), slope(n + 1);
+  for (int k = 0; k <= n; ++k) y[k] = value(static_cast<double>(k) / n);
+  const auto secant = [&](int k) { return y[k + 1] - y[k]; };
+  constexpr double kStep = 1e-3;  // of a piece
+  for (int k = 0; k <= n; ++k) {
+    const double low = std::max(0.0, (k - kStep) / n), high = std::min(1.0, (k + kStep) / n);
+    slope[k] = (value(high) - value(low)) / (high - low) / n;
+    double least = std::abs(secant(std::min(k, n - 1)));
+    if (k > 0) least = std::min(least, std::abs(secant(k - 1)));
+    slope[k] = std::clamp(slope[k], -3 * least, 3 * least);
+  }
+  for (int k = 0; k < n; ++k)
+    for (const double c : {y[k], slope[k], 3 * secant(k) - 2 * slope[k] - slope[k + 1],
+                           -2 * secant(k) + slope[k] + slope[k + 1]})
+      table.push_back(static_cast<float>(c));
+}
+
+}  // namespace
+
+std::vector<float> vmf_marginals(double kappa) {
+  std::vector<float> table;
+  table.reserve(16 * kMarginalPieces);
+  const Quantiles axial([=](double v) { return v * std::exp(kappa * (v - 1)); }, 1);
+  append(table, [&](double t) { return 1 - axial(t * t); });
+  const Quantiles back([=](double x) { return x * std::exp(-kappa * x); }, 1);
+  append(table, [&](double t) { return 1 + back(t * t); });
+  // By the angle from the mean normal.
+  const auto tangential = [=](double angle) {
+    const double s = std::sin(angle);
+    return s * s * std::exp(kappa * (std::cos(angle) - 1));
+  };
+  const Quantiles upper(tangential, std::numbers::pi);
+  const auto complement = [](double angle) {
+    const double s = std::sin(angle / 2);
+    return 2 * s * s;
+  };
+  append(table, [&](double t) { return complement(upper(t * t * t / 2)); });
+  const Quantiles lower([=](double angle) { return tangential(std::numbers::pi - angle); },
+                        std::numbers::pi);
+  append(table, [&](double t) { return 2 - complement(lower(t * t * t / 2)); });
+  return table;
+}
+
+}  // namespace lamella
