@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volume/lane_marginals.h"
 #include "volume/walk.h"
@@ -110,7 +111,8 @@ void LaneRun::set_up(const Stack& stack, const Plan& plan, Direction incident, s
   task_.wi[1] = static_cast<float>(incident.y);
   task_.wi[2] = static_cast<float>(incident.z);
   task_.from_above = incident.z > 0;
-  task_.orders_per_absorption = static_cast<float>(-1 / std::log(albedo_));
+  task_.orders_per_absorption = albedo_ < 1 ? static_cast<float>(-1 / std::log(albedo_))
+                                            : std::numeric_limits<float>::infinity();
   task_.black = albedo_ == 0;
   task_.max_order = static_cast<std::uint32_t>(plan.max_order);
   task_.seed = seed;

@@ -102,12 +102,12 @@ struct Ended {
                              Floats(t.cells.rows - 0.5f));
       const Floats column = min(turns * Floats(t.cells.phi_cells), Floats(t.cells.columns - 0.5f));
       const WordMask down = equal(end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
-      const WordMask left =
-          end <
-          Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed : WalkEnd::down));
+      const WordMask left = (order > Words(0u)) &
+                            (end < Words(static_cast<std::uint32_t>(
+                                       t.cells.both_sides ? WalkEnd::absorbed : WalkEnd::down)));
       const Words below = select(
           down, Words(static_cast<std::uint32_t>(t.cells.rows * t.cells.columns)), Words(0u));
-      const Words slot = min(order, Words(kOrders)) - Words(1u);
+      const Words slot = max(min(order, Words(kOrders)), Words(1u)) - Words(1u);
       const Words target = to_words(row) * Words(static_cast<std::uint32_t>(t.cells.columns)) +
                            to_words(column) + below + slot * Words(targets);
       select(left, target, Words(kOrders * targets)).store(place);
