@@ -71,19 +71,24 @@ double SingleScatteringModel::pdf(Direction wi, Direction wo) const {
 }
 
 ModelInfo single_scattering_model() {
-  return {
-      .name = "single_scattering",
-      .doc = "exact single scattering of any stack, reflection and transmission",
-      .source = "Wang et al. 2022, SpongeCake, eqs. 8-16; Chandrasekhar 1960",
-      .parameters = {},
-      .lobes = {{"layers", "one event in one of the layers", Order::one},
-                {"substrate", "one reflection from the substrate", Order::one}},
-      .reciprocal = true,
-      .transmits = true,
-      .needs_stack = true,
-      .make = [](const Parameters&,
-                 const Stack* stack) { return std::make_unique<SingleScatteringModel>(*stack); },
-      .applies_to = [](const Stack&) { return std::optional(Parameters()); }};
+  return {.name = "single_scattering",
+          .doc = "exact single scattering of any stack, reflection and transmission",
+          .source = "Wang et al. 2022, SpongeCake, eqs. 8-16; Chandrasekhar 1960",
+          .parameters = {},
+          .lobes = {{"layers", "one event in one of the layers", Order::one},
+                    {"substrate", "one reflection from the substrate", Order::one}},
+          .reciprocal = true,
+          .transmits = true,
+          .needs_stack = true,
+          .make =
+              [](const Parameters&, const Stack* stack) {
+                refuse_grid(*stack, "single_scattering");
+                return std::make_unique<SingleScatteringModel>(*stack);
+              },
+          .applies_to =
+              [](const Stack& stack) {
+                return stack.has_grid() ? std::nullopt : std::optional(Parameters());
+              }};
 }
 
 }  // namespace lamella

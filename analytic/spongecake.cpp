@@ -85,6 +85,7 @@ std::vector<ParameterInfo> lobe_parameters() {
 
 bool is_spongecake_stack(const Stack& stack) {
   return std::all_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
+    if (layer.grid) return false;
     return std::holds_alternative<MirrorFlakes<Sggx>>(layer.medium) ||
            std::holds_alternative<HenyeyGreenstein>(layer.medium);
   });
@@ -128,7 +129,8 @@ ModelInfo spongecake_model() {
           .make = [](const Parameters& p, const Stack* stack) -> std::unique_ptr<Model> {
             if (!is_spongecake_stack(*stack))
               throw ParameterError("stack", stack->name,
-                                   "a stack of SGGX mirror flakes and Henyey-Greenstein layers");
+                                   "a stack of homogeneous layers of SGGX mirror flakes and "
+                                   "Henyey-Greenstein particles");
             std::vector<SpongecakeFactors> factors;
             for (int k = 1; k <= kSpongecakeLayers; ++k)
               factors.push_back({p.number(fmt::format("second_roughness_{}", k)),

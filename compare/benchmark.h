@@ -84,6 +84,10 @@ void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const Repor
 /// One thread against the calling thread's task arena.
 void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// Walks through a sparse and a dense density grid, against one majorant, a majorant per block, and
+/// fixed steps: time x variance, one thread.
+void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// Nanoseconds per evaluation of every closed form, single and in batches.
 void measure_models(const BenchmarkEffort& effort, const ReportRow& report);
 

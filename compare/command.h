@@ -10,6 +10,8 @@ namespace lamella {
 int simulate_command(const Options& options);
 int compare_command(const Options& options);
 int furnace_command(const Options& options);
+/// Depth profiles in the place of the stack's grids, and what that costs.
+int homogenise_command(const Options& options);
 int bench_command(const Options& options);
 int explain_command(const Options& options);
 int models_command(const Options& options);
@@ -17,5 +19,8 @@ int media_command(const Options& options);
 int stacks_command(const Options& options);
 /// `words`: the model and its key=value arguments.
 int eval_command(const Options& options, const std::vector<std::string>& words);
+
+/// `words`: the kind of grid to make and its key=value arguments; none: lists the kinds.
+int grid_command(const Options& options, const std::vector<std::string>& words);
 
 }  // namespace lamella

@@ -45,6 +45,7 @@ int bench_command(const Options& options) {
       [&] { measure_plan(effort, options.seed, report); },
       [&] { measure_threads(effort, options.seed, report); },
       [&] { measure_accuracy(effort, options.seed, report); },
+      [&] { measure_grids(effort, options.seed, report); },
       [&] { measure_models(effort, report); },
   };
   for (const auto& part : parts)

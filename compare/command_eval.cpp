@@ -176,7 +176,7 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
     with_seed.seed = *number;
   }
   Answer answer;
-  answer.color = !stack->is_grey();
+  answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
   const EstimatorChoice choice = choose_estimator(*stack, with_seed, Estimator::next_event);
   std::vector<TruthValue> truth;
   if (choice.solution) {

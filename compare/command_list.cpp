@@ -115,7 +115,10 @@ int media_command(const Options& options) {
     fmt::print(
         out,
         "every layer: albedo [1] a number or [r, g, b] in [0, 1], default 1; thickness [mm], "
-        "inf for a half space; density [1/mm], default 1\n");
+        "inf for a half space; density [1/mm], default 1; grid, a .vdb file whose \"density\" "
+        "multiplies it from voxel to voxel, with size [mm], two numbers in [1e-06, 1e+06], its "
+        "lateral "
+        "period, and grid_albedo, \"file\" (default) or \"white\"\n");
   write_json(answer, options);
   return kDone;
 }

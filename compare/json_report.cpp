@@ -41,6 +41,11 @@ Json to_json(const Stack& stack) {
     entry["albedo"] = to_json(ParameterValue(layer.albedo));
     entry["thickness"] = json_number(layer.thickness);
     entry["density"] = json_number(layer.density);
+    if (layer.grid) {
+      entry["grid"] = layer.grid->file;
+      entry["size"] = {layer.grid->size_x, layer.grid->size_y};
+      entry["grid_albedo"] = layer.grid->white ? "white" : "file";
+    }
     layers.push_back(std::move(entry));
   }
   Json out{{"name", stack.name}, {"layer", std::move(layers)}};

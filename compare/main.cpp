@@ -232,6 +232,26 @@ int run_program(int argc, char** argv) {
   furnace->add_flag("--strict", options.strict, "Exit 1 also when inconclusive");
   furnace->footer("Example: lamella furnace spongecake_two_layer --walks 1e5");
 
+  CLI::App* homogenise = app.add_subcommand(
+      "homogenise", "Depth profiles instead of density grids, and the error that makes");
+  add_run_options(*homogenise, options, walks);
+  add_grid(*homogenise, options);
+  homogenise
+      ->add_option("--contrast", options.contrasts,
+                   "Share of the grids' lateral contrast to keep, repeatable (default 1)")
+      ->type_name("F")
+      ->take_all()
+      ->allow_extra_args(false);
+  homogenise->add_option("-o,--output", options.output, "Write the homogeneous stack to FILE.toml")
+      ->type_name("FILE.toml");
+  homogenise->footer("Example: lamella homogenise woven_cloth --wi 30 --walks 1e4 -o layers.toml");
+
+  CLI::App* grid = app.add_subcommand("grid", "Makes a density grid; without KIND, what there is");
+  grid->add_option("KIND", words, "weave, dust or blotches, then key=value...")->expected(0, -1);
+  grid->add_option("-o,--output", options.output, "The file to write")->type_name("FILE.vdb");
+  add_json(*grid, options);
+  grid->footer("Example: lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb");
+
   CLI::App* bench = app.add_subcommand("bench", "Speed against error, with baselines");
   bench->add_option("--seed", options.seed, "Seed of the random numbers (default 1)")
       ->type_name("N");
@@ -354,6 +374,8 @@ int run_program(int argc, char** argv) {
     if (compare->parsed()) return compare_command(options);
     if (furnace->parsed() && sweep) return furnace_sweep_command(options);
     if (furnace->parsed()) return furnace_command(options);
+    if (homogenise->parsed()) return homogenise_command(options);
+    if (grid->parsed()) return grid_command(options, words);
     if (bench->parsed()) return bench_command(options);
     if (samplers->parsed()) return samplers_command(options, closed);
     if (fit->parsed()) return fit_command(options, closed);

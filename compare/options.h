@@ -46,6 +46,7 @@ struct Options {
   std::vector<std::string> models{};
   std::optional<double> max_error{};
   std::string pairs{};
+  std::vector<std::string> contrasts{};  ///< of homogenise, factors in [0, 1]
 };
 
 /// A number as the command line has it, "inf" among them; nothing if the text is anything else.

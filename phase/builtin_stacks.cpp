@@ -103,6 +103,20 @@ std::vector<BuiltinStack> make_list() {
        layer("medium = \"henyey_greenstein\"\nalbedo = 0.9\nthickness = inf\n")},
       {"isotropic_slab", "albedo 0.8, optical depth 2", "van de Hulst 1980, table 12",
        layer("medium = \"henyey_greenstein\"\nalbedo = 0.8\nthickness = 2\n")},
+      {"woven_cloth", "a generated weave: fiber flakes along two directions of yarns",
+       "standard case of a density grid",
+       layer("medium = \"sggx\"\nshape = \"fiber\"\nroughness = 0.3\nalbedo = 0.9\ndensity = 12\n"
+             "thickness = 0.4\ngrid = \"builtin:weave\"\nsize = [1, 1]\n")},
+      {"settled_dust", "generated heaps of Lambert spheres on a grey base",
+       "standard case of a density grid",
+       layer("medium = \"lambert_sphere\"\nalbedo = 0.8\ndensity = 10\nthickness = 0.5\n"
+             "grid = \"builtin:dust\"\nsize = [1, 1]\n") +
+           "[substrate]\nbsdf = \"lambert\"\nalbedo = 0.2\n"},
+      {"blotchy_layer", "generated noise in a forward scattering layer",
+       "standard case of a density grid",
+       layer(
+           "medium = \"henyey_greenstein\"\ng = 0.5\nalbedo = 0.95\ndensity = 4\nthickness = 0.5\n"
+           "grid = \"builtin:blotches\"\nsize = [1, 1]\n")},
       {"sggx_slab", "mirror flakes of roughness 0.5, depth 2, albedo 0.9", "standard case",
        layer("medium = \"sggx\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 2\n")},
       {"hg_slab", "Henyey-Greenstein, g = 0.7, depth 4, albedo 0.9", "standard case",

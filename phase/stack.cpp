@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace lamella {
 
 bool Stack::is_half_space() const { return !layers.empty() && std::isinf(layers.back().depth()); }
+
+bool Stack::has_grid() const {
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const Layer& l) { return l.grid && l.depth() > 0; });
+}
 
 bool Stack::is_grey() const {
   return std::all_of(layers.begin(), layers.end(),
@@ -14,14 +20,15 @@ bool Stack::is_grey() const {
 }
 
 bool Stack::is_symmetric_about_z() const {
-  return std::all_of(layers.begin(), layers.end(),
-                     [](const Layer& l) { return lamella::is_symmetric_about_z(l.medium); });
+  return !has_grid() && std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
+    return lamella::is_symmetric_about_z(l.medium);
+  });
 }
 
 bool Stack::is_reciprocal() const {
   return std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
     const Direction n = mean_normal(l.medium);
-    return n.x == 0 && n.y == 0;
+    return n.x == 0 && n.y == 0 && (n.z == 0 || !l.grid);
   });
 }
 
@@ -35,6 +42,7 @@ double Stack::one_sidedness() const {
 }
 
 double Stack::uncollided(Direction w) const {
+  refuse_grid(*this, "uncollided light in closed form");
   if (is_half_space()) return 0;
   w = with_grazing_limit(w);
   double optical_depth = 0;
@@ -43,8 +51,18 @@ double Stack::uncollided(Direction w) const {
   return std::exp(-optical_depth);
 }
 
+void refuse_grid(const Stack& stack, const std::string& what) {
+  for (const Layer& layer : stack.layers)
+    if (layer.grid && layer.depth() > 0)
+      throw std::invalid_argument(layer.grid->where + ": key \"grid\": found \"" +
+                                  layer.grid->file + "\", but " + what +
+                                  " takes homogeneous layers only; allowed: no grid (lamella "
+                                  "homogenise makes such a stack)");
+}
+
 Stack whitened(Stack stack) {
   for (Layer& layer : stack.layers) {
+    if (layer.grid) layer.grid->white = true;
     layer.albedo = Rgb(1);
     layer.f0 = Rgb(1);
     if (layer.parameters.has("f0")) layer.parameters.set("f0", Rgb(1));

@@ -8,7 +8,17 @@
 
 namespace lamella {
 
-/// One plane-parallel layer. Only depth() counts for the light.
+/// What a stack file says of the grid that varies a layer's density. Its voxels are volume's
+/// (density_grid.h); here it is a name and a size.
+struct GridReference {
+  std::string file;    ///< .vdb file as the stack file has it, or "builtin:" and a name
+  std::string folder;  ///< what a relative file name starts from; empty: working directory
+  double size_x = 1, size_y = 1;  ///< [mm], in (0, infinity): the lateral period
+  bool white = false;             ///< leave the file's albedo grid out
+  std::string where;              ///< "cloth.toml:5: layer 0", for errors
+};
+
+/// One plane-parallel layer. Only depth() counts for the light, unless a grid varies it.
 struct Layer {
   std::string medium_name;
   Parameters parameters;  ///< the medium's own, complete: for echo
@@ -17,6 +27,8 @@ struct Layer {
   Rgb f0{1};              ///< Schlick's f0 of mirror flakes; 1: no Fresnel factor
   double thickness = 1;   ///< [mm], in [0, infinity]
   double density = 1;     ///< [1/mm], in [0, infinity)
+  /// Multiplies the density from voxel to voxel; the grid's height is the thickness, then finite.
+  std::optional<GridReference> grid = {};
 
   /// thickness times density, dimensionless; infinity for a half space.
   [[nodiscard]] double depth() const { return thickness * density; }
@@ -36,11 +48,15 @@ struct Stack {
   [[nodiscard]] bool is_half_space() const;
   /// Whether light can come from below, and leave there.
   [[nodiscard]] bool is_open_below() const { return !substrate && !is_half_space(); }
-  /// Whether no albedo, f0 or substrate differs between the channels.
+  /// Whether a grid varies a layer's density (one of depth 0 counts as none).
+  [[nodiscard]] bool has_grid() const;
+  /// Whether no albedo, f0 or substrate differs between the channels; a grid's albedo is not looked
+  /// at.
   [[nodiscard]] bool is_grey() const;
-  /// Whether every rotation about z leaves the stack as it is.
+  /// Whether every rotation about z leaves the stack as it is; no stack with a grid is taken so.
   [[nodiscard]] bool is_symmetric_about_z() const;
-  /// Whether global reciprocity holds: every one-sided layer has a vertical mean normal.
+  /// Whether global reciprocity holds: every one-sided layer has a vertical mean normal and no grid
+  /// (along two paths between the same points the density differs).
   [[nodiscard]] bool is_reciprocal() const;
   /// Sum over layers of depth times the z part of the mean normal: transmission from above is
   /// exp(-this) times transmission from below along the reversed pair.
@@ -49,6 +65,10 @@ struct Stack {
   /// crosses all layers without a collision; 0 through a half space.
   [[nodiscard]] double uncollided(Direction w) const;
 };
+
+/// Throws std::invalid_argument if a grid varies a layer of the stack: `what` knows homogeneous
+/// layers only.
+void refuse_grid(const Stack& stack, const std::string& what);
 
 /// Same layers with every albedo, substrate albedo and f0 at 1: what a white furnace wants.
 [[nodiscard]] Stack whitened(Stack stack);

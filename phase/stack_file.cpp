@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #define TOML_HEADER_ONLY 1
 // toml++ 3.3 reaches its "unreachable" code at letters such as mu outside of strings, when it asks
@@ -41,6 +43,26 @@ const ParameterInfo kBsdf{.name = "bsdf",
                           .doc = "lambert, or black (albedo 0)",
                           .default_value = "lambert",
                           .choices = {"lambert", "black"}};
+
+const ParameterInfo kGridAlbedo{.name = "grid_albedo",
+                                .kind = ParameterKind::choice,
+                                .unit = "1",
+                                .doc = "the albedo grid of the file, or white: as if it had none",
+                                .default_value = "file",
+                                .choices = {"file", "white"}};
+
+// Lengths [mm] of a grid, so that voxel sizes and their inverses stay far from the ends of double.
+constexpr double kSmallestLength = 1e-6, kLargestLength = 1e6;
+
+// A TOML string. Names with control characters are refused before.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
 
 class Reader {
  public:
@@ -166,7 +188,7 @@ class Reader {
     }
     std::vector<ParameterInfo> infos = info->parameters;
     infos.insert(infos.end(), {kAlbedo, kThickness, kDensity});
-    Parameters all = read_keys(table, infos, {"medium"}, where);
+    Parameters all = read_keys(table, infos, {"medium", "grid", "size", kGridAlbedo.name}, where);
     if (!all.has("thickness"))
       fail(table.source(), fmt::format("{}: key \"thickness\": found nothing; allowed: {}", where,
                                        allowed_values(kThickness)));
@@ -182,6 +204,7 @@ class Reader {
                "{}: key \"density\": found {}, an optical depth beyond all numbers; allowed: "
                "a finite product with the thickness {}",
                where, to_text(density), to_text(thickness)));
+    const std::optional<GridReference> grid = read_grid(table, where, thickness);
     Parameters own;
     for (const ParameterInfo& parameter : info->parameters)
       if (all.has(parameter.name)) own.set(parameter.name, all.at(parameter.name));
@@ -189,11 +212,79 @@ class Reader {
       Medium built = info->make(own);
       const Rgb f0 = own.has("f0") ? own.color("f0") : Rgb(1);
       return {info->name, std::move(own), std::move(built), all.color("albedo"),
-              f0,         thickness,      density};
+              f0,         thickness,      density,          grid};
     } catch (const ParameterError& error) {
       const toml::node* node = table.get(error.key);
       fail(node ? node->source() : table.source(), fmt::format("{}: {}", where, error.what()));
     }
+  }
+
+  // The grid of a layer, if it names one: "grid", "size", "grid_albedo".
+  std::optional<GridReference> read_grid(const toml::table& table, const std::string& where,
+                                         double thickness) const {
+    const toml::node* grid = table.get("grid");
+    const toml::node* size = table.get("size");
+    const toml::node* albedo = table.get(kGridAlbedo.name);
+    if (!grid) {
+      for (const toml::node* node : {size, albedo})
+        if (node)
+          fail(node->source(),
+               fmt::format("{}: key \"{}\": found {} without a grid; allowed: "
+                           "beside \"grid\" only",
+                           where, node == size ? "size" : kGridAlbedo.name, described(*node)));
+      return std::nullopt;
+    }
+    GridReference out;
+    const auto* name = grid->as_string();
+    const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
+    if (!name || name->get().empty() ||
+        std::any_of(name->get().begin(), name->get().end(), is_control))
+      fail(grid->source(),
+           fmt::format(
+               "{}: key \"grid\": found {}; allowed: the name of a .vdb file", where,
+               name && !name->get().empty() ? "a name with control characters" : described(*grid)));
+    out.file = name->get();
+    out.folder = std::filesystem::path(file_).parent_path().string();
+    out.where = fmt::format("{}:{}: {}", file_, grid->source().begin.line, where);
+    if (!(thickness >= kSmallestLength && thickness <= kLargestLength))
+      fail(table.get("thickness")->source(),
+           fmt::format("{}: key \"thickness\": found {} beside \"grid\"; allowed: a number in "
+                       "[{}, {}], the height of the grid in mm",
+                       where, to_text(thickness), to_text(kSmallestLength),
+                       to_text(kLargestLength)));
+    std::vector<double> lengths;
+    if (size)
+      if (const auto value = to_value(*size))
+        if (const auto* list = std::get_if<std::vector<double>>(&*value)) lengths = *list;
+    if (lengths.size() != 2 || !std::all_of(lengths.begin(), lengths.end(), [](double x) {
+          return x >= kSmallestLength && x <= kLargestLength;
+        }))
+      fail(size ? size->source() : grid->source(),
+           fmt::format("{}: key \"size\": found {}; allowed: two numbers [x, y] in [{}, {}], the "
+                       "lateral period in mm",
+                       where, size ? text_of(*size) : "nothing", to_text(kSmallestLength),
+                       to_text(kLargestLength)));
+    out.size_x = lengths[0];
+    out.size_y = lengths[1];
+    if (albedo) {
+      const auto* word = albedo->as_string();
+      try {
+        out.white =
+            std::get<std::string>(checked(
+                kGridAlbedo, word ? ParameterValue(word->get()) : ParameterValue(0.0))) == "white";
+      } catch (const ParameterError&) {
+        fail(albedo->source(),
+             fmt::format("{}: key \"{}\": found {}; allowed: {}", where, kGridAlbedo.name,
+                         described(*albedo), allowed_values(kGridAlbedo)));
+      }
+    }
+    return out;
+  }
+
+  // Like described, but a list of numbers in full.
+  static std::string text_of(const toml::node& node) {
+    const auto value = node.is_array() ? to_value(node) : std::nullopt;
+    return value ? to_text(*value) : described(node);
   }
 
   Substrate read_substrate(const toml::table& table) const {
@@ -227,8 +318,13 @@ std::string to_toml(const Stack& stack) {
     text += fmt::format("[[layer]]\nmedium = \"{}\"\n", layer.medium_name);
     for (const auto& [key, value] : layer.parameters.all())
       text += fmt::format("{} = {}\n", key, to_text(value));
-    text += fmt::format("albedo = {}\nthickness = {}\ndensity = {}\n\n", to_text(layer.albedo),
+    text += fmt::format("albedo = {}\nthickness = {}\ndensity = {}\n", to_text(layer.albedo),
                         to_text(layer.thickness), to_text(layer.density));
+    if (layer.grid)
+      text += fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n",
+                          quoted(layer.grid->file), to_text(layer.grid->size_x),
+                          to_text(layer.grid->size_y), layer.grid->white ? "white" : "file");
+    text += '\n';
   }
   if (stack.substrate)
     text += fmt::format("[substrate]\nbsdf = \"lambert\"\nalbedo = {}\n",

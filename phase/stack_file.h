@@ -14,7 +14,8 @@ struct StackFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a stack from TOML text (the format is in README.md). `file` is the name used in errors;
+/// Reads a stack from TOML text (the format is in README.md). `file` is the name used in errors,
+/// and its folder is what names of grids are relative to;
 /// `name` becomes Stack::name. Throws StackFileError.
 [[nodiscard]] Stack parse_stack(std::string_view text, const std::string& file, std::string name);
 

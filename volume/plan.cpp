@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volume/density_grid.h"
 #include "volume/lane_run.h"
 
 namespace lamella {
@@ -20,8 +21,42 @@ std::string to_text(Estimator estimator) {
   return "deterministic";
 }
 
+namespace {
+
+// Everything but the grids.
+Plan bare_plan(const Stack& stack, std::uint64_t max_order) {
+  Plan plan{.channels = 3,
+            .folded = false,
+            .single_layer = false,
+            .uniform_medium = false,
+            .transmits = stack.is_open_below(),
+            .max_order = max_order,
+            .layers = {},
+            .grids = {}};
+  for (int k = 0; k < static_cast<int>(stack.layers.size()); ++k)
+    if (stack.has_grid() ? stack.layers[k].thickness > 0 : stack.layers[k].depth() > 0)
+      plan.layers.push_back(k);
+  return plan;
+}
+
+}  // namespace
+
 Plan make_plan(const Stack& stack, std::uint64_t max_order) {
-  Plan plan = general_plan(stack, max_order);
+  return make_plan(
+      stack, max_order,
+      stack.has_grid() ? load_grids(stack) : std::vector<std::shared_ptr<const DensityGrid>>());
+}
+
+Plan make_plan(const Stack& stack, std::uint64_t max_order,
+               std::vector<std::shared_ptr<const DensityGrid>> grids) {
+  Plan plan = bare_plan(stack, max_order);
+  if (stack.has_grid()) {
+    plan.grids = std::move(grids);
+    const bool grey = std::all_of(plan.grids.begin(), plan.grids.end(),
+                                  [](const auto& grid) { return !grid || grid->is_grey(); });
+    plan.channels = stack.is_grey() && grey ? 1 : 3;
+    return plan;
+  }
   plan.channels = stack.is_grey() ? 1 : 3;
   plan.folded = stack.is_symmetric_about_z();
   plan.single_layer = plan.layers.size() == 1;
@@ -33,17 +68,41 @@ Plan make_plan(const Stack& stack, std::uint64_t max_order) {
 }
 
 Plan general_plan(const Stack& stack, std::uint64_t max_order) {
-  Plan plan{.channels = 3,
-            .folded = false,
-            .single_layer = false,
-            .uniform_medium = false,
-            .transmits = stack.is_open_below(),
-            .max_order = max_order,
-            .layers = {}};
-  for (int k = 0; k < static_cast<int>(stack.layers.size()); ++k)
-    if (stack.layers[k].depth() > 0) plan.layers.push_back(k);
+  Plan plan = bare_plan(stack, max_order);
+  if (stack.has_grid()) plan.grids = load_grids(stack);
   return plan;
 }
+
+namespace {
+
+void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
+                  std::vector<PlanNote>& notes) {
+  const VoxelIndex n = grid.extent().voxels;
+  const DensityGrid::CellCount count = grid.count_cells();
+  std::string varies = "density";
+  if (grid.has_orientation()) varies += ", orientation";
+  if (grid.has_roughness()) varies += ", roughness";
+  if (grid.has_albedo()) varies += ", albedo";
+  notes.push_back({"grid",
+                   fmt::format("layer {}: {} from {}, delta tracking", k, varies, layer.grid->file),
+                   fmt::format("{} x {} x {} voxels; {} of {} blocks are empty; {} cells with a "
+                               "majorant each are the fastest to cross",
+                               n[0], n[1], n[2], count.empty_blocks, count.blocks, count.cells)});
+  const Voxels& voxels = grid.voxels();
+  if (voxels.orientation && !grid.has_orientation())
+    notes.push_back(
+        {"grid", fmt::format("layer {}: orientation left out", k), "particles have no axis"});
+  if (voxels.albedo && !grid.has_albedo())
+    notes.push_back({"grid", fmt::format("layer {}: albedo left out", k),
+                     layer.grid->white ? "grid_albedo is white" : "it is 1 everywhere"});
+  if (grid.roughness_error() > 0)
+    notes.push_back({"grid",
+                     fmt::format("layer {}: roughness rounded to {} levels, off by at most {:.1g}",
+                                 k, grid.palette().size(), grid.roughness_error()),
+                     "a medium per roughness is kept"});
+}
+
+}  // namespace
 
 std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   std::vector<PlanNote> notes;
@@ -62,8 +121,14 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                    plan.layers.empty() ? "none is walked"
                    : plan.single_layer
                        ? "one: no layer is looked up"
-                       : fmt::format("{}: free flight crosses them exactly", plan.layers.size()),
+                       : fmt::format("{}: free flight crosses {} exactly", plan.layers.size(),
+                                     plan.has_grids() ? "homogeneous ones" : "them"),
                    empty ? fmt::format("{} of depth 0 left out", empty) : "all have depth"});
+  for (std::size_t k = 0; k < plan.grids.size(); ++k)
+    if (plan.grids[k]) explain_grid(stack.layers[k], *plan.grids[k], k, notes);
+  if (plan.has_grids())
+    notes.push_back({"place", "x and y in the tile of all grids; light enters all over it",
+                     "f is the mean over the tile"});
   if (plan.uniform_medium)
     notes.push_back({"medium", "kernel of " + stack.layers[plan.layers[0]].medium_name,
                      "all layers hold the same kind of medium"});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "volume/cell_grid.h"
 
 namespace lamella {
+
+class DensityGrid;
 
 /// analog: photons counted in cells; next_event: every collision seen from every cell or point;
 /// deterministic: adding and doubling (deterministic.h), without walks.
@@ -28,12 +31,21 @@ struct Plan {
   std::uint64_t max_order = 1000;  ///< walks are cut after this many events, as unresolved
   Isa isa = Isa::scalar;           ///< lanes where a kernel exists, see volume/lane_run.h
 
-  /// Which layers of the stack have any depth; the others are left out.
+  /// Which layers of the stack have any depth; the others are left out. With a grid somewhere: any
+  /// thickness, as an empty gap, too, moves the light sideways.
   std::vector<int> layers;
+  /// Per layer of the stack, the grid that varies its density, or nullptr; empty without grids.
+  std::vector<std::shared_ptr<const DensityGrid>> grids;
+
+  [[nodiscard]] bool has_grids() const { return !grids.empty(); }
 };
 
-/// The narrowest plan that models the stack.
+/// The narrowest plan that models the stack. Reads its grids; throws std::invalid_argument.
 [[nodiscard]] Plan make_plan(const Stack& stack, std::uint64_t max_order = 1000);
+
+/// The plan of a stack whose grids are there already, one per layer or nullptr.
+[[nodiscard]] Plan make_plan(const Stack& stack, std::uint64_t max_order,
+                             std::vector<std::shared_ptr<const DensityGrid>> grids);
 
 /// The plan that carries everything: three channels, no folding, layers and media looked up.
 [[nodiscard]] Plan general_plan(const Stack& stack, std::uint64_t max_order = 1000);

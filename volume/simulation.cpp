@@ -5,6 +5,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "volume/grid_walk.h"
 #include "volume/lane_run.h"
 
 namespace lamella {
@@ -47,6 +48,11 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * targets_.count());
+  if (plan.has_grids()) {
+    run_batch_ =
+        grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
+    return;
+  }
   if (estimator == Estimator::analog && !why_not_lanes(stack_, plan_)) {
     lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, &targets_);
     run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {
@@ -69,6 +75,11 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
       batches_(kBatches) {
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * points_.size());
+  if (plan.has_grids()) {
+    run_batch_ = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
+                             &points_, batches_);
+    return;
+  }
   if (!why_not_lanes_at(stack_, plan_, points_)) {
     lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, points_);
     run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {

@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include "compare/command.h"
+#include "compare/json_report.h"
+#include "compare/output_folder.h"
+#include "phase/stack_file.h"
+#include "volume/density_grid.h"
+#include "volume/depth_profile.h"
+#include "volume/grid_generators.h"
+#include "volume/vdb_file.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const GridGenerator& generator_of(const std::string& kind) {
+  if (const GridGenerator* generator = find_grid_generator(kind)) return *generator;
+  std::vector<std::string> names;
+  for (const GridGenerator& g : grid_generators()) names.push_back(g.name);
+  const std::string hint = suggestion(kind, names);
+  throw UsageError(fmt::format("grid \"{}\": unknown{}; allowed: {}", kind,
+                               hint.empty() ? "" : ", " + hint, listed(names)));
+}
+
+Parameters parameters_of(const GridGenerator& generator, const std::vector<std::string>& words) {
+  Parameters parameters;
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : generator.parameters) names.push_back(info.name);
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    const std::string key = word.substr(0, equals);
+    if (equals == std::string::npos)
+      throw UsageError(fmt::format("grid {}: found \"{}\"; allowed: key=value, key one of {}",
+                                   generator.name, word, listed(names)));
+    const ParameterInfo* info = find(generator.parameters, key);
+    if (!info) {
+      const std::string hint = suggestion(key, names);
+      throw UsageError(fmt::format("grid {}: key \"{}\": unknown{}; allowed: {}", generator.name,
+                                   key, hint.empty() ? "" : ", " + hint, listed(names)));
+    }
+    try {
+      parameters.set(key, parse_value(*info, word.substr(equals + 1)));
+    } catch (const ParameterError& error) {
+      throw UsageError(fmt::format("grid {}: {}", generator.name, error.what()));
+    }
+  }
+  fill_defaults(generator.parameters, parameters);
+  return parameters;
+}
+
+int list_kinds(const Options& options) {
+  std::FILE* out = table_stream(options);
+  Json answer = json_header("grid", options);
+  answer["kinds"] = Json::array();
+  for (const GridGenerator& g : grid_generators()) {
+    Json parameters = Json::array();
+    if (!options.quiet) fmt::print(out, "{}: {}\n", g.name, g.doc);
+    for (const ParameterInfo& p : g.parameters) {
+      if (!options.quiet)
+        fmt::print(out, "    {:<10} [{}] {}; {}; default {}\n", p.name, p.unit, p.doc,
+                   allowed_values(p), p.default_value);
+      parameters.push_back({{"name", p.name},
+                            {"unit", p.unit},
+                            {"doc", p.doc},
+                            {"allowed", allowed_values(p)},
+                            {"default", p.default_value}});
+    }
+    answer["kinds"].push_back(
+        {{"name", g.name}, {"doc", g.doc}, {"parameters", std::move(parameters)}});
+  }
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace
+
+int grid_command(const Options& options, const std::vector<std::string>& words) {
+  if (words.empty()) return list_kinds(options);
+  const GridGenerator& generator = generator_of(words[0]);
+  const Parameters parameters = parameters_of(generator, {words.begin() + 1, words.end()});
+  if (options.output.empty())
+    throw UsageError("grid: found no -o; allowed: -o FILE.vdb, the file to write");
+  check_output_file(options.output);
+  const GeneratedGrid made = [&] {
+    try {
+      return generator.make(parameters);
+    } catch (const ParameterError& error) {
+      throw UsageError(fmt::format("grid {}: {}", generator.name, error.what()));
+    }
+  }();
+  const VoxelIndex n = made.voxels.extent().voxels;
+  const Direction voxel{made.size_x / n[0], made.size_y / n[1], made.thickness / n[2]};
+  write_vdb(options.output, made.voxels, voxel);
+  // Text that is a stack file: what is said of the grid stands in comments.
+  const std::string layer = fmt::format(
+      "[[layer]]\n{}thickness = {}\ngrid = \"{}\"\nsize = [{}, {}]\n", made.medium,
+      to_text(made.thickness), options.output, to_text(made.size_x), to_text(made.size_y));
+  const Stack stack = parse_stack(layer, "<generated>", generator.name);
+  const DensityGrid grid(stack.layers[0], std::make_shared<Voxels>(made.voxels));
+  const LateralContrast contrast = lateral_contrast(grid);
+  if (!options.quiet)
+    fmt::print(table_stream(options),
+               "# {}: {} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm, {:.1f} % filled, lateral "
+               "contrast {:.3f} between voxels, {:.3f} between columns\n{}",
+               options.output, n[0], n[1], n[2], voxel.x, voxel.y, voxel.z, 100 * contrast.filled,
+               contrast.voxel, contrast.column, layer);
+  Json answer = json_header("grid", options);
+  answer["kind"] = generator.name;
+  Json given = Json::object();
+  for (const auto& [key, value] : parameters.all()) given[key] = to_json(value);
+  answer["parameters"] = std::move(given);
+  answer["file"] = options.output;
+  answer["voxels"] = {n[0], n[1], n[2]};
+  answer["voxel_size"] = {voxel.x, voxel.y, voxel.z};
+  answer["filled"] = contrast.filled;
+  answer["contrast_voxel"] = contrast.voxel;
+  answer["contrast_column"] = contrast.column;
+  answer["layer"] = layer;
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella
