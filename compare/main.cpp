@@ -247,7 +247,8 @@ int run_program(int argc, char** argv) {
   homogenise->footer("Example: lamella homogenise woven_cloth --wi 30 --walks 1e4 -o layers.toml");
 
   CLI::App* grid = app.add_subcommand("grid", "Makes a density grid; without KIND, what there is");
-  grid->add_option("KIND", words, "weave, dust or blotches, then key=value...")->expected(0, -1);
+  grid->add_option("KIND", words, "weave, dust, blotches or spheres, then key=value...")
+      ->expected(0, -1);
   grid->add_option("-o,--output", options.output, "The file to write")->type_name("FILE.vdb");
   add_json(*grid, options);
   grid->footer("Example: lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb");

@@ -86,7 +86,7 @@ class Grids(ProgramTest):
 
     def test_kinds_are_listed_and_wrong_ones_refused(self):
         kinds = self.json_of("grid")["kinds"]
-        self.assertEqual([k["name"] for k in kinds], ["weave", "dust", "blotches"])
+        self.assertEqual([k["name"] for k in kinds], ["weave", "dust", "blotches", "spheres"])
         for words, part in ((["weav"], 'did you mean "weave"?'), (["weave", "pich=1"], '"pitch"'),
                             (["weave", "pitch=-1"], "found -1"), (["weave", "x"], "key=value"),
                             (["weave", "width=2"], "at most the pitch"),
@@ -107,6 +107,13 @@ class Grids(ProgramTest):
             self.assertEqual(mine["runs"][0][side], built_in["runs"][0][side])
         answer = self.json_of("grid", "dust", "voxels=16", "-o", "dust.vdb")
         self.assertEqual(answer["voxels"], [16, 16, 8])
+
+    @unittest.skipUnless(WITH_OPENVDB, "built without OpenVDB")
+    def test_spheres_have_the_volume_that_is_known(self):
+        answer = self.json_of("grid", "spheres", "packing=0.5", "realisations=4", "voxels=4")
+        volume = answer["volume_fraction"]
+        self.assertAlmostEqual(volume["expected"], 0.39346934, places=7)
+        self.assertLess(abs(volume["value"] - volume["expected"]), 0.1)
 
     @unittest.skipUnless(WITH_OPENVDB, "built without OpenVDB")
     def test_files_that_are_none_are_refused(self):

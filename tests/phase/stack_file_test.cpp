@@ -295,5 +295,26 @@ TEST(StackFile, RefusesBrokenStacksAndNamesFileLineKeyValueAndWhatIsAllowed) {
   }
 }
 
+TEST(StackFile, AGridKeepsItsNameSizeAndFolder) {
+  const std::string text =
+      "[[layer]]\nmedium = 'lambert_sphere'\nthickness = 1\n"
+      "grid = 'a \"quoted\" \\ name, \u00fc.vdb'\nsize = [0.5, 2]\ngrid_albedo = 'white'\n";
+  const Stack stack = parse_stack(text, "some/where/stack.toml", "x");
+  ASSERT_TRUE(stack.layers[0].grid);
+  const GridReference& grid = *stack.layers[0].grid;
+  EXPECT_EQ(grid.file, "a \"quoted\" \\ name, \u00fc.vdb");
+  EXPECT_EQ(grid.folder, "some/where");
+  EXPECT_EQ(grid.size_x, 0.5);
+  EXPECT_EQ(grid.size_y, 2);
+  EXPECT_TRUE(grid.white);
+  EXPECT_EQ(grid.where, "some/where/stack.toml:4: layer 0");
+  EXPECT_TRUE(stack.has_grid());
+  EXPECT_FALSE(stack.is_symmetric_about_z());
+  const std::string written = to_toml(stack);
+  const Stack again = parse(written);
+  EXPECT_EQ(to_toml(again), written);
+  EXPECT_EQ(again.layers[0].grid->file, grid.file);
+}
+
 }  // namespace
 }  // namespace lamella::testing

@@ -247,7 +247,7 @@ TEST(GridWalk, LayersKeepTheirRegistrationAcrossGapsAndHomogeneousLayers) {
   // Opaque stripes above, the same ones or the others below: at normal incidence half the light
   // passes, or none; a gap of half the period at 45 degrees exchanges the two.
   const std::string stripes =
-      grid_layer("medium = 'lambert_sphere'\nalbedo = 0\nthickness = 1e-4\ndensity = 1e7");
+      grid_layer("medium = 'lambert_sphere'\nalbedo = 0\nthickness = 1e-4\ndensity = 2e5");
   const auto even = shared_voxels_of({2, 1, 1}, [](VoxelIndex i) { return 1.0 - i[0]; });
   const auto odd = shared_voxels_of({2, 1, 1}, [](VoxelIndex i) { return 1.0 * i[0]; });
   const auto passing = [&](const std::string& between,
