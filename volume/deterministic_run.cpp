@@ -182,6 +182,11 @@ class RowSampler {
       mean[j] = field.mean(channel, i, first + j);
       error[j] = field.multiple(i, first + j, 0).error[channel];
     }
+    // One row's mean is Gauss's rule for f times its weight, which is smooth where f is not: f
+    // grows like log mu at grazing for light that grazes.
+    Eigen::VectorXd weight = Eigen::VectorXd::Ones(n);
+    if (rows == 1)
+      weight = weights.row(0).transpose().cwiseQuotient(cached_gauss_legendre(n).weights);
     double left = 0;
     Eigen::MatrixXd values(n, kModeOrders);
     std::vector<Eigen::MatrixXd> means;
@@ -190,7 +195,8 @@ class RowSampler {
         for (int order = 0; order < kModeOrders; ++order)
           values(j, order) = field.mode(channel, order + 1, m, i, first + j);
       means.emplace_back(weights * values);
-      left += (m == 0 ? 1 : 2) * series_error(transform * values.rowwise().sum(), rows == 1);
+      left += (m == 0 ? 1 : 2) *
+              series_error(transform * weight.cwiseProduct(values.rowwise().sum()), rows == 1);
     }
     const Eigen::VectorXd row_mean = weights * mean, row_error = weights.cwiseAbs() * error;
     for (int r = 0; r < rows; ++r) {
