@@ -15,7 +15,7 @@ struct UnreachableColor : std::runtime_error {
 struct AlbedoInversion {
   Rgb albedo{};   ///< the single-scattering albedo
   Rgb reached{};  ///< the colour it gives
-  Rgb slope{};    ///< d colour / d albedo there: an error of the colour over it is one of the albedo
+  Rgb slope{};  ///< d colour / d albedo there: an error of the colour over it is one of the albedo
   int evaluations = 0;
 };
 
