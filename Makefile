@@ -4,7 +4,9 @@ BUILD_PACKAGES := g++ cmake ninja-build pkg-config libboost-dev libtbb-dev libop
   libeigen3-dev librandom123-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
   libgd-dev libceres-dev libhwy-dev libopenvdb-dev
 TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jsonschema \
-  clang libclang-rt-14-dev
+  clang libclang-rt-14-dev chromium
+# Node.js with npm, wherever it comes from.
+TEST_PACKAGES += $(if $(shell command -v npm),,nodejs npm)
 FORMAT_PACKAGES := clang-format clang-tidy
 
 # The quick subset that `make test` also runs with sanitizers; `make asan` runs everything.

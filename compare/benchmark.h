@@ -78,6 +78,10 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// Seconds to 1 % standard error of lobes, by estimator, one thread.
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// Cost per value of the reflected lobe against its error, on the stacks of the walk rows: each
+/// estimator at growing numbers of walks, and the closed forms that apply; one thread.
+void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// What the plan saves against the general one on the same stack, one thread.
 void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 

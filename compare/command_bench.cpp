@@ -3,6 +3,8 @@
 #include "compare/benchmark.h"
 #include "compare/command.h"
 #include "compare/json_report.h"
+#include "compare/output_folder.h"
+#include "compare/report_page.h"
 
 namespace lamella {
 namespace {
@@ -29,6 +31,7 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
 
 int bench_command(const Options& options) {
   using Json = nlohmann::ordered_json;
+  if (!options.html.empty()) check_output_file(options.html);
   BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
   effort.isa = isa_of(options);
   std::FILE* out = table_stream(options);
@@ -47,6 +50,7 @@ int bench_command(const Options& options) {
       [&] { measure_accuracy(effort, options.seed, report); },
       [&] { measure_grids(effort, options.seed, report); },
       [&] { measure_models(effort, report); },
+      [&] { measure_tradeoff(effort, options.seed, report); },
   };
   for (const auto& part : parts)
     if (!interrupted) part();
@@ -54,6 +58,7 @@ int bench_command(const Options& options) {
   answer["quick"] = options.quick;
   answer["interrupted"] = interrupted.load();
   answer["rows"] = std::move(rows);
+  write_html(answer, "Speed against error", options);
   write_json(answer, options);
   return kDone;
 }

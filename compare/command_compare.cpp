@@ -3,11 +3,13 @@
 #include <cmath>
 
 #include "compare/command.h"
+#include "compare/compare_page.h"
 #include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
 #include "compare/model_request.h"
 #include "compare/output_folder.h"
+#include "compare/report_page.h"
 
 namespace lamella {
 namespace {
@@ -92,7 +94,7 @@ int compare_command(const Options& options) {
     judged.push_back({std::move(bound), nanoseconds, {}});
   }
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
-  make_output_folder(folder);
+  if (!options.answer_only) make_output_folder(folder);
 
   std::vector<RunResult> runs;
   for (std::size_t k = 0; k < truth.directions().size() && !interrupted; ++k) {
@@ -151,23 +153,33 @@ int compare_command(const Options& options) {
       same += other.bound.info == m.bound.info;
     }
     if (same > 1) name += fmt::format("_{}", before);
-    write_exr(folder + "/" + name + ".exr", comparison_image(stack, runs, m.lobes, options));
+    if (options.answer_only) continue;
+    write_exr(folder + "/" + name + ".exr",
+              comparison_image(stack, runs, m.lobes, options, to_request(m.bound)));
     pictures += write_comparison_pictures(folder, name, stack.name, runs, m.lobes);
   }
   answer["models"] = std::move(list);
+  if (options.answer_only) {
+    write_json(answer, options);
+    return options.max_error && worst > *options.max_error ? kFailed : kDone;
+  }
   write_exr(folder + "/truth.exr", simulation_image(stack, runs, options));
   write_file(folder + "/report.json", answer.dump(2) + "\n");
   write_file(folder + "/summary.txt", summary);
+  std::vector<std::vector<LobeComparison>> lobes;
+  for (JudgedModel& m : judged) lobes.push_back(std::move(m.lobes));
+  write_report_page(folder + "/report.html", stack.name + ": closed forms against ground truth",
+                    answer, compare_page_details(runs, lobes));
   if (!options.quiet) {
     std::FILE* out = table_stream(options);
     fmt::print(out, "{}", summary);
     if (judged.empty()) fmt::print(out, "no closed form applies to this stack (see --model)\n");
     if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
-    fmt::print(
-        out,
-        "\nwrote {}/: truth.exr, an EXR per model, report.json, summary.txt and {} error maps "
-        "(*.png)\n",
-        folder, pictures);
+    fmt::print(out,
+               "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
+               "summary.txt "
+               "and {} error maps (*.png)\n",
+               folder, pictures);
   }
   write_json(answer, options);
   return options.max_error && worst > *options.max_error ? kFailed : kDone;

@@ -8,6 +8,8 @@
 #include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/model_request.h"
+#include "compare/output_folder.h"
+#include "compare/report_page.h"
 
 namespace lamella {
 namespace {
@@ -83,6 +85,7 @@ int model_furnace(const Options& options, const Stack& stack) {
   answer["models"] = std::move(list);
   answer["runs"] = answer["models"][0]["runs"];
   if (!options.quiet) fmt::print(out, "{}\n", overall);
+  write_html(answer, stack.name + ": white furnace of closed forms", options);
   write_json(answer, options);
   return status_of(overall, options);
 }
@@ -90,6 +93,7 @@ int model_furnace(const Options& options, const Stack& stack) {
 }  // namespace
 
 int furnace_command(const Options& options) {
+  if (!options.html.empty()) check_output_file(options.html);
   Stack stack = stack_of(options);
   if (!options.as_is) stack = whitened(std::move(stack));
   if (!options.models.empty()) return model_furnace(options, stack);
@@ -164,6 +168,7 @@ int furnace_command(const Options& options) {
           "walks hit what scatters sharply (--walks, --estimator analog)\n",
           options.max_order);
   }
+  write_html(answer, stack.name + ": white furnace", options);
   write_json(answer, options);
   return status_of(overall, options);
 }

@@ -22,12 +22,16 @@ void warn_of_accuracy(const RunResult& run, const Options& options) {
 
 GroundTruth::GroundTruth(const Stack& stack, const Options& options, CellGrid grid,
                          Estimator of_walks)
+    : GroundTruth(stack, options, grid, of_walks, incident_directions(options, stack)) {}
+
+GroundTruth::GroundTruth(const Stack& stack, const Options& options, CellGrid grid,
+                         Estimator of_walks, std::vector<Direction> directions)
     : stack_(stack),
       options_(options),
       grid_(grid),
       of_walks_(of_walks),
       plan_(plan_of(options, stack)),
-      directions_(incident_directions(options, stack)) {
+      directions_(std::move(directions)) {
   check_estimator(stack, options);
 }
 

@@ -26,6 +26,9 @@ class GroundTruth {
   /// `of_walks`: the estimator of walks where the options leave the choice. Throws UsageError where
   /// directions or estimator do not suit the stack.
   GroundTruth(const Stack& stack, const Options& options, CellGrid grid, Estimator of_walks);
+  /// The same for directions that are no option's.
+  GroundTruth(const Stack& stack, const Options& options, CellGrid grid, Estimator of_walks,
+              std::vector<Direction> directions);
 
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] const std::vector<Direction>& directions() const { return directions_; }

@@ -66,10 +66,12 @@ void add_error_attributes(std::map<std::string, std::string>& attributes,
 std::map<std::string, std::string> file_attributes(const Stack& stack,
                                                    const std::vector<RunResult>& runs,
                                                    const Options& options) {
-  std::string directions, walks;
+  std::string degrees, directions, walks;
   for (const RunResult& run : runs) {
-    directions += fmt::format("{}{},{}", directions.empty() ? "" : " ", theta_degrees(run.incident),
-                              phi_degrees(run.incident));
+    degrees += fmt::format("{}{},{}", degrees.empty() ? "" : " ", theta_degrees(run.incident),
+                           phi_degrees(run.incident));
+    const Direction w = run.incident;
+    directions += fmt::format("{}{},{},{}", directions.empty() ? "" : " ", w.x, w.y, w.z);
     walks += fmt::format("{}{}", walks.empty() ? "" : " ", run.walks);
   }
   const CellGrid& grid = runs[0].grid;
@@ -83,7 +85,8 @@ std::map<std::string, std::string> file_attributes(const Stack& stack,
       {"lamella.estimator", to_text(runs[0].estimator)},
       {"lamella.estimator_asked", options.estimator},
       {"lamella.isa", to_text(isa_of(options))},
-      {"lamella.incident", directions},
+      {"lamella.incident", degrees},
+      {"lamella.directions", directions},
       {"lamella.grid", fmt::format("{}x{}", grid.mu_cells, grid.phi_cells)},
       {"lamella.phi", grid.folded
                           ? "folded: columns cover 0 to 180 degrees, each stands for phi and -phi"
@@ -115,8 +118,10 @@ ExrImage simulation_image(const Stack& stack, const std::vector<RunResult>& runs
 }
 
 ExrImage comparison_image(const Stack& stack, const std::vector<RunResult>& runs,
-                          const std::vector<LobeComparison>& lobes, const Options& options) {
+                          const std::vector<LobeComparison>& lobes, const Options& options,
+                          const std::string& model) {
   ExrImage image = empty_image(stack, runs, options);
+  image.attributes["lamella.model"] = model;
   for (const LobeComparison& l : lobes) {
     const int run = index_of(runs, l.wi), order = static_cast<int>(l.order);
     const int channels = static_cast<int>(l.energy_truth.size());
@@ -130,8 +135,14 @@ ExrImage comparison_image(const Stack& stack, const std::vector<RunResult>& runs
     put("model", l.model);
     put("difference", difference);
     put("z", l.z());
+    // What viewers show at first: the model's reflection, all orders, first direction.
+    if (run == 0 && l.reflected && l.order == Order::all)
+      for (int c = 0; c < channels; ++c) {
+        const std::size_t cells = l.model.size() / channels;
+        image.channels.emplace_back(channel_letter(channels, c),
+                                    exr_values(std::span(l.model).subspan(c * cells, cells)));
+      }
   }
-  add_plain_channels(image);
   return image;
 }
 

@@ -20,10 +20,10 @@ namespace lamella {
                                         const Options& options);
 
 /// One model's comparisons as the channels of one image: truth, its standard error, model,
-/// difference and z of every lobe.
+/// difference and z of every lobe. `model`: it and its parameters, as --model takes them.
 [[nodiscard]] ExrImage comparison_image(const Stack& stack, const std::vector<RunResult>& runs,
                                         const std::vector<LobeComparison>& lobes,
-                                        const Options& options);
+                                        const Options& options, const std::string& model);
 
 /// Writes a PNG picture of each comparison whose truth or model has energy; returns their number.
 int write_comparison_pictures(const std::string& folder, const std::string& model,

@@ -11,6 +11,7 @@
 
 #include "compare/closed_form_command.h"
 #include "compare/command.h"
+#include "compare/command_words.h"
 #include "compare/output_folder.h"
 #include "phase/stack_file.h"
 
@@ -103,6 +104,11 @@ void add_json(CLI::App& command, Options& options) {
   command.add_flag("--quiet", options.quiet, "No table, no progress");
 }
 
+void add_html(CLI::App& command, Options& options) {
+  command.add_option("--html", options.html, "Write the answer as a page to look at")
+      ->type_name("FILE.html");
+}
+
 void add_walks(CLI::App& command, std::string& walks, const std::string& doc) {
   command.add_option("--walks", walks, doc + " (default 1000000)")
       ->transform(whole_number(kBatches, 1000000000000000))
@@ -136,9 +142,26 @@ void add_isa(CLI::App& command, Options& options) {
       ->type_name("auto|scalar|sse4|avx2|avx512");
 }
 
-void add_run_options(CLI::App& command, Options& options, std::string& walks) {
+void add_stack(CLI::App& command, Options& options) {
   command.add_option("STACK", options.stack,
                      "TOML file, - for stdin, or a built-in stack (lamella stacks)");
+}
+
+void add_estimator(CLI::App& command, Options& options) {
+  command.add_option("--estimator", options.estimator, "How light is counted (default auto)")
+      ->transform(one_of({"auto", "analog", "next-event", "deterministic"}))
+      ->type_name("auto|analog|next-event|deterministic");
+  command
+      .add_option(
+          "--tolerance", options.tolerance,
+          "Largest error of the deterministic solver, relative to the mean over the azimuth "
+          "(default 1e-6)")
+      ->transform(positive_number())
+      ->type_name("E");
+}
+
+void add_run_options(CLI::App& command, Options& options, std::string& walks) {
+  add_stack(command, options);
   command
       .add_option("--wi", options.incident,
                   "Incident direction THETA[,PHI] in degrees, repeatable; above 90: from below "
@@ -158,16 +181,7 @@ void add_run_options(CLI::App& command, Options& options, std::string& walks) {
       ->transform(positive_number())
       ->type_name("S");
   add_max_order(command, options);
-  command.add_option("--estimator", options.estimator, "How light is counted (default auto)")
-      ->transform(one_of({"auto", "analog", "next-event", "deterministic"}))
-      ->type_name("auto|analog|next-event|deterministic");
-  command
-      .add_option(
-          "--tolerance", options.tolerance,
-          "Largest error of the deterministic solver, relative to the mean over the azimuth "
-          "(default 1e-6)")
-      ->transform(positive_number())
-      ->type_name("E");
+  add_estimator(command, options);
   add_seed_and_threads(command, options);
   add_isa(command, options);
   add_json(command, options);
@@ -193,8 +207,8 @@ void add_model(CLI::App& command, Options& options, const std::string& doc) {
 int run_program(int argc, char** argv) {
   Options options;
   ClosedFormOptions closed;
-  bool sweep = false;
-  std::string walks;
+  bool sweep_parameters = false;
+  std::string walks, shell;
   std::vector<std::string> words;
   CLI::App app{
       "Lamella simulates layered scattering media as ground truth for BSDF models and reports, "
@@ -226,10 +240,11 @@ int run_program(int argc, char** argv) {
   add_run_options(*furnace, options, walks);
   add_model(*furnace, options, "A closed form to check instead of the stack, repeatable");
   furnace->add_flag(
-      "--sweep", sweep,
+      "--sweep", sweep_parameters,
       "Models (--model, default all) over the whole range of their parameters: a table");
   furnace->add_flag("--as-is", options.as_is, "Keep albedos, substrate and f0");
   furnace->add_flag("--strict", options.strict, "Exit 1 also when inconclusive");
+  add_html(*furnace, options);
   furnace->footer("Example: lamella furnace spongecake_two_layer --walks 1e5");
 
   CLI::App* homogenise = app.add_subcommand(
@@ -262,6 +277,7 @@ int run_program(int argc, char** argv) {
   add_isa(*bench, options);
   bench->add_flag("--quick", options.quick, "Every row in a few seconds: noisy");
   add_json(*bench, options);
+  add_html(*bench, options);
   bench->footer("Example: lamella bench --quick --json bench.json");
 
   CLI::App* samplers =
@@ -339,6 +355,82 @@ int run_program(int argc, char** argv) {
   add_json(*explain, options);
   explain->footer("Example: lamella explain spongecake_plant");
 
+  CLI::App* sweep = app.add_subcommand("sweep", "Compare or furnace over a grid of parameters");
+  add_run_options(*sweep, options, walks);
+  add_grid(*sweep, options);
+  add_model(*sweep, options, "A model, repeatable (default: all that apply)");
+  sweep
+      ->add_option("--set", options.sets,
+                   "A parameter and its values, repeatable: layer.N.KEY (N from 0 at the top) or "
+                   "substrate.KEY, =FROM:TO:COUNT, =FROM:TO:COUNT:log or =A,B,...")
+      ->required()
+      ->type_name("PATH=VALUES")
+      ->take_all()
+      ->allow_extra_args(false);
+  sweep->add_option("--of", options.of, "What runs at each point (default compare)")
+      ->transform(one_of({"compare", "furnace"}))
+      ->type_name("compare|furnace");
+  sweep->add_flag("--as-is", options.as_is, "Furnaces keep albedos, substrate and f0");
+  sweep
+      ->add_option("-o,--output", options.output,
+                   "Folder of answers and page; a sweep that was stopped goes on there (default "
+                   "./NAME-sweep)")
+      ->type_name("FOLDER");
+  sweep->footer(
+      "Example: lamella sweep sggx_slab --set layer.0.roughness=0.2:1:3 --wi 60 --walks 1e4");
+
+  CLI::App* preview = app.add_subcommand("preview", "A sphere and a plane under light");
+  add_stack(*preview, options);
+  add_model(*preview, options, "A model to show beside the truth, repeatable (default: all)");
+  preview->add_option("--light", options.light, "The lamp, from the viewer (default 45,45)")
+      ->type_name("THETA[,PHI]");
+  preview
+      ->add_option("--environment", options.environment,
+                   "Light from everywhere: uniform, or a lat-long picture (default uniform)")
+      ->type_name("uniform|FILE.exr");
+  preview->add_option("--size", options.size, "Pixels across (default 192)")
+      ->transform(whole_number(16, 2048))
+      ->type_name("N");
+  add_walks(*preview, walks, "Walks per incident direction, where the stack is not solved");
+  add_max_order(*preview, options);
+  add_estimator(*preview, options);
+  add_seed_and_threads(*preview, options);
+  add_json(*preview, options);
+  preview
+      ->add_option("-o,--output", options.output, "Folder for EXR and PNG (default ./NAME-preview)")
+      ->type_name("FOLDER");
+  preview->footer("Example: lamella preview lambert_sphere_halfspace --size 64");
+
+  CLI::App* show = app.add_subcommand("show", "What is in an EXR file, and how it was made");
+  show->add_option("FILE", options.stack, "EXR file")->required()->type_name("FILE.exr");
+  add_json(*show, options);
+  show->footer(
+      "Example: lamella simulate sggx_slab --wi 45 --walks 1e4 -o show.exr && lamella show "
+      "show.exr");
+
+  CLI::App* rerun = app.add_subcommand("rerun", "Repeat the run of an EXR file, bit by bit");
+  rerun->add_option("FILE", options.stack, "EXR file of simulate or compare")
+      ->required()
+      ->type_name("FILE.exr");
+  rerun->add_option("-o,--output", options.output, "Write the repeated file")
+      ->type_name("FILE.exr");
+  rerun->add_option("--threads", options.threads, "Threads (default: all)")
+      ->transform(whole_number(1, 4096))
+      ->type_name("N");
+  add_json(*rerun, options);
+  rerun->footer(
+      "Example: lamella simulate sggx_slab --wi 45 --walks 1e4 -o again.exr && lamella rerun "
+      "again.exr");
+
+  CLI::App* completion = app.add_subcommand("completion", "A completion script for a shell");
+  completion->add_option("SHELL", shell, "bash or zsh")
+      ->required()
+      ->transform(one_of({"bash", "zsh"}))
+      ->type_name("bash|zsh");
+  completion->footer("Example: lamella completion bash");
+  CLI::App* man = app.add_subcommand("man", "The manual page, for man -l -");
+  man->footer("Example: lamella man");
+
   CLI::App* models = app.add_subcommand("models", "The closed forms: parameters, lobes, source");
   CLI::App* media = app.add_subcommand("media", "The media: keys, ranges, units, source");
   CLI::App* stacks = app.add_subcommand("stacks", "The built-in stacks");
@@ -373,7 +465,7 @@ int run_program(int argc, char** argv) {
   return arena.execute([&] {
     if (simulate->parsed()) return simulate_command(options);
     if (compare->parsed()) return compare_command(options);
-    if (furnace->parsed() && sweep) return furnace_sweep_command(options);
+    if (furnace->parsed() && sweep_parameters) return furnace_sweep_command(options);
     if (furnace->parsed()) return furnace_command(options);
     if (homogenise->parsed()) return homogenise_command(options);
     if (grid->parsed()) return grid_command(options, words);
@@ -382,6 +474,18 @@ int run_program(int argc, char** argv) {
     if (fit->parsed()) return fit_command(options, closed);
     if (invert->parsed()) return invert_command(options, closed, words);
     if (eval->parsed()) return eval_command(options, words);
+    if (sweep->parsed()) return sweep_command(options);
+    if (preview->parsed()) return preview_command(options);
+    if (show->parsed()) return show_command(options);
+    if (rerun->parsed()) return rerun_command(options);
+    if (completion->parsed()) {
+      fmt::print("{}", completion_script(app, shell));
+      return kDone;
+    }
+    if (man->parsed()) {
+      fmt::print("{}", man_page(app));
+      return kDone;
+    }
     if (explain->parsed()) return explain_command(options);
     if (models->parsed()) return models_command(options);
     if (media->parsed()) return media_command(options);

@@ -59,6 +59,23 @@ BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
   return bound;
 }
 
+namespace {
+
+std::string request_value(const ParameterValue& value) {
+  std::string text = to_text(value);
+  std::erase_if(text, [](char c) { return c == '[' || c == ']' || c == '"' || c == ' '; });
+  return text;
+}
+
+}  // namespace
+
+std::string to_request(const BoundModel& model) {
+  std::string text = model.info->name;
+  for (const auto& [key, value] : model.parameters.all())
+    text += fmt::format(",{}={}", key, request_value(value));
+  return text;
+}
+
 std::vector<BoundModel> models_for(const Options& options, const Stack& stack) {
   std::vector<BoundModel> bound;
   if (!options.models.empty()) {
@@ -73,9 +90,7 @@ std::vector<BoundModel> models_for(const Options& options, const Stack& stack) {
             const bool given = std::any_of(request.values.begin(), request.values.end(),
                                            [&](const auto& v) { return v.first == key; });
             if (given) continue;
-            std::string as_text = to_text(entry.second);
-            std::erase_if(as_text, [](char c) { return c == '[' || c == ']' || c == '"'; });
-            request.values.emplace_back(key, as_text);
+            request.values.emplace_back(key, request_value(entry.second));
           }
       bound.push_back(bind_model(request, &stack));
     }

@@ -21,6 +21,9 @@ struct BoundModel {
 /// The models to judge on a stack: those asked for, or else all that apply to it.
 [[nodiscard]] std::vector<BoundModel> models_for(const Options& options, const Stack& stack);
 
+/// The model as --model takes it: NAME,key=value,...
+[[nodiscard]] std::string to_request(const BoundModel& model);
+
 /// Reads key=value texts by a list of parameters, defaults filled in. `what` is named in errors.
 [[nodiscard]] Parameters read_parameters(
     const std::string& what, const std::vector<ParameterInfo>& infos,

@@ -42,11 +42,16 @@ struct Options {
   int threads = 0;  ///< 0: all
   std::string isa = "auto";
   bool quiet = false, strict = false, as_is = false, quick = false;
-  std::string json{}, output{};
+  std::string json{}, html{}, output{};
   std::vector<std::string> models{};
   std::optional<double> max_error{};
   std::string pairs{};
-  std::vector<std::string> contrasts{};  ///< of homogenise, factors in [0, 1]
+  std::vector<std::string> contrasts{};                  ///< of homogenise, factors in [0, 1]
+  std::string light = "45,45", environment = "uniform";  ///< of preview
+  int size = 192;                                        ///< of preview, pixels
+  std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
+  std::string of = "compare";                            ///< of sweep: compare or furnace
+  bool answer_only = false;  ///< compare: the JSON alone, no folder (for sweep)
 };
 
 /// A number as the command line has it, "inf" among them; nothing if the text is anything else.

@@ -4,8 +4,9 @@ import subprocess
 
 from lamella_program import PROGRAM, ProgramTest
 
-COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "fit", "invert", "eval", "bench", "explain",
-            "models", "media", "stacks", "grid", "homogenise"]
+COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "fit", "invert", "eval", "bench", "sweep",
+            "preview", "show", "rerun", "completion", "man", "explain", "models", "media", "stacks",
+            "grid", "homogenise"]
 
 
 class ExamplesOfHelpWorkAsPrinted(ProgramTest):
@@ -25,3 +26,9 @@ class ExamplesOfHelpWorkAsPrinted(ProgramTest):
                 self.assertEqual(process.returncode, 0, examples[0] + process.stderr)
                 self.assertNotEqual(process.stdout, "")
                 self.assertIn("lamella " + command, examples[0])
+
+    def test_the_list_of_commands_is_whole(self):
+        overview = self.lamella("--help").out.split("Subcommands:")[1]
+        names = [line.split()[0] for line in overview.splitlines() if line.startswith("  ")
+                 and not line.startswith("   ")]
+        self.assertEqual(sorted(names), sorted(COMMANDS[1:]))

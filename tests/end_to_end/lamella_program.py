@@ -96,7 +96,7 @@ def schema_of(name):
 
 def check_schema(command, answer):
     schema = schema_of(command)
-    store = {"common.json": schema_of("common")}
+    store = {path.name: json.loads(path.read_text()) for path in SCHEMAS.glob("*.json")}
     resolver = jsonschema.RefResolver(schema["$id"], schema, store=store)
     jsonschema.Draft202012Validator(schema, resolver=resolver).validate(answer)
 

@@ -1,0 +1,106 @@
+// The page of `lamella bench`: speed against error.
+import {element, choice, figure, scrolling} from "./dom.js";
+import {axis, chart, legend, modelColor, modelDash, modelSymbol, tooltip} from "./charts.js";
+import {percent, short} from "./numbers.js";
+import {heading} from "./heading.js";
+
+const kinds = {walk: "random walk", deterministic: "deterministic", closed_form: "closed form"};
+
+// The points that no other point beats in both cost and error, by rising cost.
+export function paretoFront(points) {
+  const front = [];
+  for (const p of [...points].sort((a, b) => a.ns_per_eval - b.ns_per_eval || a.error - b.error))
+    if (!front.length || p.error < front.at(-1).error) front.push(p);
+  return front;
+}
+
+export function bench(page, answer) {
+  const points = answer.rows.filter((r) => r.stack && r.ns_per_eval > 0 && r.error > 0);
+  const stacks = [...new Set(points.map((r) => r.stack))];
+  const state = {stack: stacks[0], rows: "all"};
+  const plot = element("div", {class: "chart map"}), key = element("div");
+  const controls = element("section", {class: "controls", "aria-label": "What is shown"});
+  const plotFigure = figure("Speed against error", "", [plot, key]);
+  const front = element("div"), table = element("div");
+  page.append(heading(answer, "Speed against error", [answer.quick ? "quick: noisy" : "", `${answer.threads} threads`,
+    answer.interrupted ? "interrupted: what was done until then" : ""]));
+  if (stacks.length) page.append(controls, plotFigure, element("p", {class: "quiet"}, "Lower left is better. Cost: nanoseconds " +
+    "of one core per value of the BSDF; for estimators, the time of the run over the cells it fills. Error: relative RMSE of " +
+    "the reflected lobe of all orders at θ_i = 60°, without the truth's noise for closed forms, the standard error for walks. " +
+    "Bars: 95 % of the error, and the spread of the timing. The line joins what nothing beats in both."),
+    element("h2", {}, "The front"), front);
+  page.append(element("h2", {}, "All rows"), element("p", {class: "quiet"},
+    "Ratio: above 1 is faster than the baseline of the same run."), table);
+
+  function show() {
+    const shown = points.filter((r) => r.stack === state.stack), best = paretoFront(shown);
+    const methods = [...new Set(shown.map((r) => r.method))];
+    plotFigure.querySelector("figcaption .quiet")?.remove();
+    plotFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, state.stack));
+    key.replaceChildren(legend([...methods.map((m, k) => ({name: m, model: k, lineless: shown.filter((r) => r.method === m).length < 2})),
+      {name: "Pareto front", color: "currentColor", symbol: "none"}]));
+    const decades = (values) => [10 ** Math.floor(Math.log10(Math.min(...values)) - 1e-9), 10 ** Math.ceil(Math.log10(Math.max(...values)) + 1e-9)];
+    const [left, right] = decades(shown.flatMap((r) => [r.ns_low ?? r.ns_per_eval, r.ns_high ?? r.ns_per_eval]).filter((v) => v > 0));
+    const [bottom, top] = decades(shown.flatMap((r) => [r.error, r.error_high ?? r.error]).filter((v) => v > 0));
+    const within = (v, low, high) => Math.max(low, Math.min(high, v));
+    chart(plot, `Speed against error on ${state.stack}`, (p) => ({
+      grid: {left: 64, right: 24, top: 16, bottom: 50},
+      tooltip: tooltip(p, {trigger: "item", formatter: ({data, seriesName}) => data?.row
+        ? `${data.row.method}<br>${short(data.row.ns_per_eval)} ns per value<br>error ${percent(data.row.error)}` : seriesName}),
+      xAxis: axis(p, "cost [ns per value]", {type: "log", min: left, max: right, axisLabel: {color: p.quiet, formatter: (v) => short(v)}}),
+      yAxis: axis(p, "relative error", {type: "log", min: bottom, max: top, nameGap: 46, axisLabel: {color: p.quiet, formatter: (v) => short(v)}}),
+      series: [
+        {type: "line", name: "Pareto front", data: stairs(best, right), showSymbol: false, silent: true,
+          lineStyle: {color: p.text, width: 1.4, opacity: .8}, z: 2},
+        ...methods.flatMap((m, k) => {
+          const mine = shown.filter((r) => r.method === m).sort((a, b) => a.ns_per_eval - b.ns_per_eval);
+          return [bars(mine.map((r) => [r.ns_per_eval, r.error, within(r.ns_low ?? r.ns_per_eval, left, right), within(r.ns_high ?? r.ns_per_eval, left, right),
+              within(r.error_low ?? r.error, bottom, top), within(r.error_high ?? r.error, bottom, top)]), modelColor(k)),
+            {type: "line", name: m, data: mine.map((r) => ({value: [r.ns_per_eval, r.error], row: r})), symbol: modelSymbol(k), symbolSize: 11, z: 5,
+              lineStyle: {color: modelColor(k), type: modelDash(k), width: mine.length > 1 ? 2 : 0}, itemStyle: {color: modelColor(k)},
+              label: {show: mine.length === 1, formatter: m, position: "top", color: p.text, textBorderWidth: 0}, labelLayout: {hideOverlap: true}}];
+        })],
+    }));
+    front.replaceChildren(scrolling("The Pareto front", element("table", {id: "front"}, element("thead", {}, element("tr", {},
+      ["Method", "ns per value", "Error"].map((h, k) => element("th", {class: k ? null : "text", scope: "col"}, h)))),
+      element("tbody", {}, best.map((r) => element("tr", {}, element("td", {class: "text"}, r.method + (r.walks ? `, ${r.walks.toLocaleString("en")} walks` : "") +
+        (r.tolerance ? `, tolerance ${short(r.tolerance)}` : "")),
+        element("td", {}, short(r.ns_per_eval)), element("td", {}, percent(r.error))))))));
+  }
+  // The front as a line: its error holds for every higher cost, until a better point.
+  function stairs(best, right) {
+    return best.flatMap((r, k) => [[r.ns_per_eval, r.error], [best[k + 1]?.ns_per_eval ?? right, r.error]]);
+  }
+  function bars(data, color) {
+    return {type: "custom", name: "bars", silent: true, clip: true, data, z: 4, tooltip: {show: false}, encode: {x: [0, 2, 3], y: [1, 4, 5]},
+      renderItem: (params, api) => {
+        const v = (k) => api.value(k), line = (a, b) => {
+          const [x1, y1] = api.coord(a), [x2, y2] = api.coord(b);
+          return {type: "line", shape: {x1, y1, x2, y2}, style: {stroke: color, lineWidth: 1.5}};
+        };
+        return {type: "group", children: [line([v(2), v(1)], [v(3), v(1)]), line([v(0), v(4)], [v(0), v(5)])]};
+      }};
+  }
+
+  const known = new Set(["what", "kind", "seconds", "collisions_per_second_per_core", "ns_per_eval", "error", "baseline", "ratio_to_baseline"]);
+  function showTable() {
+    const rows = answer.rows.filter((r) => state.rows === "all" || r.kind === state.rows);
+    const head = ["What", "Kind", "Seconds", "Collisions / s", "ns / value", "Error", "Ratio", "Baseline"], text = new Set([0, 1, 7]);
+    const number = (row, field, shown) => element("td", {"data-field": field, "data-value": row[field] ?? ""}, shown ?? short(row[field]));
+    table.replaceChildren(scrolling("All rows", element("table", {id: "numbers"},
+      element("thead", {}, element("tr", {}, head.map((h, k) => element("th", {scope: "col", class: text.has(k) ? "text" : null}, h)))),
+      element("tbody", {}, rows.map((r) => element("tr", {"data-row": answer.rows.indexOf(r)}, element("td", {class: "text"}, r.what),
+        element("td", {class: "text"}, kinds[r.kind] ?? r.kind), number(r, "seconds"), number(r, "collisions_per_second_per_core"),
+        number(r, "ns_per_eval"), number(r, "error", r.error === null ? "–" : percent(r.error)),
+        number(r, "ratio_to_baseline"), element("td", {class: "text", title: Object.entries(r).filter(([k]) => !known.has(k)).map(([k, v]) => `${k} ${v}`).join(", ")},
+          String(r.baseline ?? "") + (r.extrapolated ? " extrapolated" : ""))))))));
+  }
+  const choose = (name, f) => (v) => { state[name] = v; f(); };
+  if (stacks.length) {
+    controls.append(choice("stack", "Stack", stacks.map((s) => ({value: s, label: s})), state.stack, choose("stack", show)));
+    show();
+  }
+  table.before(element("section", {class: "controls", style: "position: static"}, choice("rows", "Rows", ["all", ...new Set(answer.rows.map((r) => r.kind))].map((k) =>
+    ({value: k, label: kinds[k] ?? k})), "all", choose("rows", showTable))));
+  showTable();
+}

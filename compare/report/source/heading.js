@@ -1,0 +1,7 @@
+import {element} from "./dom.js";
+
+export function heading(answer, title, facts) {
+  return element("header", {}, element("h1", {}, title), element("ul", {class: "meta"},
+    [...facts, answer.seed === undefined ? "" : `seed ${answer.seed}`, answer.isa ? `${answer.isa} kernels` : ""].filter(Boolean)
+      .map((f) => element("li", {}, f))));
+}

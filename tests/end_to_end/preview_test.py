@@ -1,0 +1,61 @@
+import math
+
+from lamella_program import ProgramTest
+
+QUIET = ["--size", "32", "--quiet"]
+SMALL = ["--size", "16"]
+
+
+class APreviewShowsStackAndModelsUnderLight(ProgramTest):
+    def views(self, *arguments):
+        answer = self.json_of("preview", *arguments, *QUIET, "-o", "out")
+        return {(v["scene"], v["light"]): {p["name"]: p["mean_luminance"] for p in v["pictures"]}
+                for v in answer["views"]}
+
+    def test_as_exr_and_png_with_truth_and_models_side_by_side(self):
+        views = self.views("lambert_sphere_halfspace")
+        self.assertEqual(len(views), 4)
+        for (scene, light), means in views.items():
+            name = f"out/{scene}_{light}"
+            self.assertTrue((self.folder / f"{name}.png").read_bytes().startswith(b"\x89PNG"))
+            channels = {c["name"]: c["mean"] for c in self.json_of("show", f"{name}.exr", "--quiet")["channels"]}
+            for model in means:
+                self.assertIn(f"{model}.R", channels)
+            self.assertEqual(channels["R"], channels["truth.R"])
+            # lambert_sphere_three_term is within 0.2 % of the truth away from grazing, and the
+            # table's interpolation within 1 %.
+            self.assertAlmostEqual(means["lambert_sphere_three_term"] / means["truth"], 1, delta=0.012)
+
+    def test_white_lambert_under_uniform_light_is_1_everywhere_and_under_the_lamp_a_cosine(self):
+        views = self.views("lambert_sphere_halfspace", "--model", "lambert,albedo=1", "--light", "0")
+        self.assertAlmostEqual(views["sphere", "environment"]["lambert"], 1, delta=1e-9)
+        self.assertAlmostEqual(views["plane", "environment"]["lambert"], 1, delta=1e-9)
+        # The mean of the cosine over the disc is 2/3; 32 pixels across leave 1 % of it at the rim.
+        self.assertAlmostEqual(views["sphere", "lamp"]["lambert"], 2 / 3, delta=0.01)
+        self.assertAlmostEqual(views["plane", "lamp"]["lambert"], math.cos(math.radians(70)), delta=1e-9)
+
+    def test_white_half_space_under_uniform_light_is_seen_as_1(self):
+        self.write("white.toml", '[[layer]]\nmedium = "lambert_sphere"\nthickness = inf\n')
+        means = self.views("white.toml", "--model", "lambert")["sphere", "environment"]
+        self.assertAlmostEqual(means["truth"], 1, delta=0.01)
+
+    def test_walks_and_the_solver_show_the_same(self):
+        solved = self.views("sggx_slab", "--model", "lambert")
+        walked = self.views("sggx_slab", "--model", "lambert", "--estimator", "next-event", "--walks", "4000")
+        for view, means in solved.items():
+            self.assertAlmostEqual(walked[view]["truth"] / means["truth"], 1, delta=0.02)
+
+    def test_an_environment_is_a_lat_long_exr(self):
+        # Any EXR with R, G, B will do: one that shines like a preview.
+        self.lamella("preview", "spongecake_copper", *QUIET, "--model", "lambert", "-o", "light")
+        self.views("sggx_slab", "--model", "lambert", "--environment", "light/sphere_lamp.exr")
+        self.write("no.exr", "no")
+        self.assertIn("no.exr", self.lamella("preview", "sggx_slab", "--environment", "no.exr",
+                                             status=2).err)
+
+    def test_what_cannot_be_drawn_is_refused(self):
+        for arguments, part in ((["spongecake_window_shade"], "symmetric"),
+                                (["sggx_slab", "--light", "200"], "--light"),
+                                (["sggx_slab", "--size", "4"], "16 to 2048")):
+            with self.subTest(arguments):
+                self.assertIn(part, self.lamella("preview", *arguments, status=2).err)

@@ -1,0 +1,74 @@
+from lamella_program import ProgramTest
+
+QUICK = ["--walks", "3000", "--grid", "4x8", "--quiet"]
+
+
+class AFileTellsHowItWasMade(ProgramTest):
+    def test_show_prints_the_run_and_every_channel(self):
+        self.lamella("simulate", "spongecake_copper", "--wi", "12.5,40", "--seed", "7", *QUICK,
+                     "-o", "a.exr")
+        text = self.lamella("show", "a.exr").out
+        for part in ("4 pixels", "seed           7", "walks          3000", "12.5,40",
+                     'medium = "sggx"', "wi0.reflect.order1.se.R", "wi0.reflect.all.B"):
+            self.assertIn(part, text)
+        answer = self.json_of("show", "a.exr", "--quiet")
+        self.assertEqual(answer["attributes"]["lamella.estimator"], "analog")
+        mean = next(c["mean"] for c in answer["channels"] if c["name"] == "wi0.reflect.all.R")
+        self.assertGreater(mean, 0.01)
+
+    def test_show_takes_any_exr_but_nothing_else(self):
+        self.write("no.exr", "not an EXR")
+        self.assertIn("no.exr", self.lamella("show", "no.exr", status=2).err)
+        self.assertIn("absent.exr", self.lamella("show", "absent.exr", status=2).err)
+
+
+class ARunIsRepeatedBitByBit(ProgramTest):
+    def repeated(self, file, *arguments):
+        answer = self.json_of("rerun", file, "--quiet", *arguments)
+        self.assertEqual((answer["same"], answer["differences"]), (True, []))
+
+    def test_of_simulate_whatever_decided_when_to_stop(self):
+        # An azimuth that degrees do not hold exactly; a run that stops on its error.
+        self.lamella("simulate", "spongecake_window_shade", "--wi", "33.333333333333336,0.1234567890123",
+                     "--wi", "120", "--seed", "3", *QUICK, "-o", "a.exr")
+        self.repeated("a.exr", "--threads", "3")
+        self.lamella("simulate", "sggx_slab", "--wi", "60", "--target-error", "0.01",
+                     "--estimator", "next-event", "--grid", "2x4", "--quiet", "-o", "b.exr")
+        self.repeated("b.exr")
+
+    def test_of_the_solver_too(self):
+        self.lamella("compare", "lambert_sphere_halfspace", "--wi", "60", "--tolerance", "1e-4", "--grid", "4x8",
+                     "--model", "lambert_sphere", "--quiet", "-o", "out")
+        self.assertEqual(self.json_of("show", "out/truth.exr", "--quiet")["attributes"]["lamella.estimator"],
+                         "deterministic")
+        self.repeated("out/truth.exr")
+        self.repeated("out/lambert_sphere.exr")
+
+    def test_of_compare_the_truth_and_each_model(self):
+        self.write("mine.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = [0.9, 0.5, 0.1]\n'
+                                "thickness = inf\n")
+        self.lamella("compare", "mine.toml", "--wi", "60", "--wi", "90", *QUICK, "-o", "out", "--model",
+                     "lambert_sphere", "--model", "lambert,albedo=0.3,0.2,0.1")
+        for name in ("truth", "lambert_sphere", "lambert"):
+            self.repeated(f"out/{name}.exr")
+
+    def test_and_written_where_asked(self):
+        self.lamella("simulate", "hg_slab", "--wi", "30", *QUICK, "-o", "a.exr")
+        self.lamella("rerun", "a.exr", "-o", "b.exr")
+        self.assertEqual((self.folder / "a.exr").read_bytes(), (self.folder / "b.exr").read_bytes())
+
+    def test_what_was_changed_is_found(self):
+        self.lamella("simulate", "hg_slab", "--wi", "30", *QUICK, "-o", "a.exr")
+        path = self.folder / "a.exr"
+        data = path.read_bytes()
+        self.assertEqual(data.count(b"\x01\x00\x00\x001"), data.count(b"\x01\x00\x00\x001"))
+        changed = data.replace(b"lamella.seed\0string\0\x01\0\0\x001", b"lamella.seed\0string\0\x01\0\0\x002")
+        self.assertNotEqual(changed, data)
+        path.write_bytes(changed)
+        answer = self.json_of("rerun", "a.exr", "--quiet", status=1)
+        self.assertIn("channel wi0.reflect.all.Y", answer["differences"])
+        self.assertGreater(answer["largest_difference"], 0)
+
+    def test_a_file_of_another_kind_is_refused(self):
+        self.lamella("preview", "hg_slab", "--size", "16", "--model", "lambert", "--quiet", "-o", "out")
+        self.assertIn("found no attribute", self.lamella("rerun", "out/sphere_lamp.exr", status=2).err)

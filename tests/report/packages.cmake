@@ -1,0 +1,17 @@
+# Lays the locked packages of SOURCE into FOLDER, unless they are there from the same lock file.
+file(MAKE_DIRECTORY ${FOLDER})
+file(READ ${SOURCE}/package-lock.json lock)
+set(laid "")
+if(EXISTS ${FOLDER}/laid)
+  file(READ ${FOLDER}/laid laid)
+endif()
+if(laid STREQUAL lock)
+  return()
+endif()
+file(COPY ${SOURCE}/package.json ${SOURCE}/package-lock.json DESTINATION ${FOLDER})
+execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --loglevel=error
+                WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE status)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "npm ci of ${SOURCE} failed: ${status}")
+endif()
+file(WRITE ${FOLDER}/laid "${lock}")
