@@ -123,7 +123,12 @@ const char* const kSource =
 
 std::optional<Parameters> lambert_sphere_parameters(const Stack& stack) {
   const Layer* layer = only_half_space(stack);
-  if (!layer || !std::holds_alternative<LambertSphere>(layer->medium)) return std::nullopt;
+  if (layer && !std::holds_alternative<LambertSphere>(layer->medium)) return std::nullopt;
+  // The limit of a bed of Lambertian spheres that are far apart, if it is deep.
+  const GrainGeometry* bed = stack.grains();
+  if (bed && bed->is_bed() && bed->surface == GrainSurface::lambert && !stack.substrate)
+    layer = &stack.layers[0];
+  if (!layer) return std::nullopt;
   Parameters p;
   p.set("albedo", layer->albedo);
   return p;

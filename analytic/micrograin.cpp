@@ -379,8 +379,8 @@ ModelInfo micrograin_model() {
             .min = 0,
             .max = 1000},
            choice("normals", "sampled for specular grains", {"visible", "all"})},
-      .lobes = {{"grains", "light that meets grains", Order::all},
-                {"bulk", "light that meets the surface below only", Order::all}},
+      .lobes = {{"grains", "light that meets grains", Order::one},
+                {"bulk", "light that meets the surface below only", Order::one}},
       .make =
           [](const Parameters& p, const Stack*) {
             const std::string& surface = p.choice("surface");
@@ -401,7 +401,21 @@ ModelInfo micrograin_model() {
                        .f0 = p.color("f0"),
                        .bulk = make_bulk(p)});
           },
-      .applies_to = {},
+      .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+        const GrainGeometry* g = stack.grains();
+        if (!g || g->is_bed() || g->surface == GrainSurface::dielectric) return std::nullopt;
+        Parameters p;
+        p.set("tau0", g->tau0);
+        p.set("beta", g->beta);
+        const bool conductor = g->surface == GrainSurface::conductor;
+        // Conductors have Schlick's factor of f0, and nothing beside it.
+        if (conductor && stack.layers[0].albedo != Rgb(1)) return std::nullopt;
+        p.set("surface", std::string(conductor ? "conductor" : "lambert"));
+        p.set("albedo", stack.layers[0].albedo);
+        p.set("f0", stack.layers[0].f0);
+        p.set("bulk_albedo", stack.substrate->albedo);
+        return p;
+      },
       .parts = {{"ndf", "D of the normal w_i [1/sr]",
                  of_cosines([](double mu_i, double, double tau0, double beta) {
                    return micrograin_ndf(mu_i, tau0, beta);

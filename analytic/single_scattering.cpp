@@ -87,7 +87,8 @@ ModelInfo single_scattering_model() {
               },
           .applies_to =
               [](const Stack& stack) {
-                return stack.has_grid() ? std::nullopt : std::optional(Parameters());
+                return stack.has_grid() || stack.grains() ? std::nullopt
+                                                          : std::optional(Parameters());
               }};
 }
 

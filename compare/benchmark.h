@@ -14,7 +14,7 @@ namespace lamella {
 /// One measurement, beside its baseline from the same run. What does not apply is absent.
 struct BenchmarkRow {
   std::string what;
-  std::string kind;  ///< walk, deterministic, closed_form
+  std::string kind;  ///< walk, deterministic, closed_form, grains
   std::optional<double> seconds{};
   std::optional<double> collisions_per_second_per_core{};
   std::optional<double> ns_per_eval{};
@@ -91,6 +91,12 @@ void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const Re
 /// Walks through a sparse and a dense density grid, against one majorant, a majorant per block, and
 /// fixed steps: time x variance, one thread.
 void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// Rays per second among explicit grains, nearest hit and shadow; building a scene of 10^6 spheres
+/// (10^5 if quick) and the bytes it takes, its spheres included. ns_per_eval: per ray, per sphere.
+/// Nothing without Embree.
+void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
+                           const ReportRow& report);
 
 /// Nanoseconds per evaluation of every closed form, single and in batches.
 void measure_models(const BenchmarkEffort& effort, const ReportRow& report);

@@ -21,6 +21,9 @@ int explain_command(const Options& options);
 int models_command(const Options& options);
 int media_command(const Options& options);
 int stacks_command(const Options& options);
+int measure_command(const Options& options);
+/// `name`: of a published figure; empty: lists them.
+int reproduce_command(const Options& options, const std::string& name);
 /// `words`: the model and its key=value arguments.
 int eval_command(const Options& options, const std::vector<std::string>& words);
 

@@ -20,6 +20,13 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
         fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
   if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
     note += note.empty() ? "extrapolated" : ", extrapolated";
+  if (row.extra.contains("rays_per_second"))
+    note = fmt::format("{:.3g} rays/s among {} spheres; {}",
+                       row.extra["rays_per_second"].get<double>(),
+                       row.extra["spheres"].get<std::size_t>(), note);
+  if (row.extra.contains("bytes"))
+    note = fmt::format("{} spheres, {:.0f} MiB; {}", row.extra["spheres"].get<std::size_t>(),
+                       static_cast<double>(row.extra["bytes"].get<std::int64_t>()) / 1048576, note);
   fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", row.what,
              cell(row.seconds, "{:.3g}"), cell(row.collisions_per_second_per_core, "{:.3g}"),
              cell(row.ns_per_eval, "{:.1f}"), cell(row.error, "{:.1e}"),
@@ -51,6 +58,7 @@ int bench_command(const Options& options) {
       [&] { measure_grids(effort, options.seed, report); },
       [&] { measure_models(effort, report); },
       [&] { measure_tradeoff(effort, options.seed, report); },
+      [&] { measure_grain_tracing(effort, options.seed, report); },
   };
   for (const auto& part : parts)
     if (!interrupted) part();

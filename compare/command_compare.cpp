@@ -10,6 +10,7 @@
 #include "compare/model_request.h"
 #include "compare/output_folder.h"
 #include "compare/report_page.h"
+#include "compare/side_by_side.h"
 
 namespace lamella {
 namespace {
@@ -83,6 +84,28 @@ std::string table(const std::vector<JudgedModel>& models) {
   return text;
 }
 
+Json to_json(const std::vector<SideBySide>& rows) {
+  Json list = Json::array();
+  for (const SideBySide& r : rows) {
+    Json entry{{"mu_i", r.wi.z},
+               {"phi_i", phi_degrees(r.wi)},
+               {"order", to_text(r.order)},
+               {"medium", r.medium},
+               {"energy_geometry", r.energy_geometry},
+               {"energy_medium", r.energy_medium},
+               {"relative_rmse_of_medium", r.medium_error.rmse},
+               {"noise", r.medium_error.noise}};
+    if (!r.model.empty()) {
+      entry["model"] = r.model;
+      entry["energy_model"] = r.energy_model;
+      entry["relative_rmse_of_model"] = r.model_error.rmse;
+      entry["relative_rmse_of_both"] = r.total_error.rmse;
+    }
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
 }  // namespace
 
 int compare_command(const Options& options) {
@@ -115,6 +138,8 @@ int compare_command(const Options& options) {
     for (LobeComparison& l : m.lobes) all.push_back(&l);
   decide(all);
 
+  std::vector<SideBySide> beside;
+  if (stack.grains() && !interrupted) beside = side_by_side(stack, runs, options);
   const std::string summary =
       fmt::format("{}: {}{}{}\n", stack.name,
                   runs.front().is_bounded()
@@ -122,7 +147,7 @@ int compare_command(const Options& options) {
                       : fmt::format("{} walks per direction, ", runs.front().walks),
                   estimator_text(truth.choice(), options),
                   truth.plan().channels == 3 ? "; energies are means over r, g, b" : "") +
-      table(judged);
+      table(judged) + (beside.empty() ? "" : side_by_side_table(beside));
   Json answer = json_header("compare", stack, options);
   add_choice(answer, truth.choice(), options);
   answer["walks"] = runs.front().walks;
@@ -159,6 +184,7 @@ int compare_command(const Options& options) {
     pictures += write_comparison_pictures(folder, name, stack.name, runs, m.lobes);
   }
   answer["models"] = std::move(list);
+  if (!beside.empty()) answer["side_by_side"] = to_json(beside);
   if (options.answer_only) {
     write_json(answer, options);
     return options.max_error && worst > *options.max_error ? kFailed : kDone;

@@ -55,6 +55,9 @@ int explain_command(const Options& options) {
         {{"subject", note.subject}, {"decision", note.decision}, {"reason", note.reason}});
   };
   for (const PlanNote& note : explain(stack, plan)) add(note);
+  if (stack.grains() && !GrainScene::is_available())
+    add({"Embree", "missing: simulate, compare and furnace refuse this stack",
+         "built with -DLAMELLA_EMBREE=OFF"});
   const EstimatorChoice choice = choose_estimator(stack, options, Estimator::analog);
   add({"estimator", "auto: " + to_text(choice.estimator), choice.reason});
   add({"of walks", "analog for lobes, next-event for furnaces and for truth at points",
@@ -111,10 +114,22 @@ int media_command(const Options& options) {
                                {"source", info.source},
                                {"parameters", to_json(info.parameters)}});
   }
+  for (const GeometryInfo& info : geometries()) {
+    if (!options.quiet) {
+      fmt::print(out, "{}: {}\n    source: {}\n", info.name, info.doc, info.source);
+      print_parameters(out, info.parameters);
+    }
+    answer["media"].push_back({{"name", info.name},
+                               {"doc", info.doc},
+                               {"source", info.source},
+                               {"parameters", to_json(info.parameters)}});
+  }
   if (!options.quiet)
     fmt::print(
         out,
-        "every layer: albedo [1] a number or [r, g, b] in [0, 1], default 1; thickness [mm], "
+        "sphere_bed, packed_sphere_bed and micrograins are explicit geometry: the only layer of "
+        "their stack, with an albedo, but neither density nor an infinite thickness\n"
+        "every other layer: albedo [1] a number or [r, g, b] in [0, 1], default 1; thickness [mm], "
         "inf for a half space; density [1/mm], default 1; grid, a .vdb file whose \"density\" "
         "multiplies it from voxel to voxel, with size [mm], two numbers in [1e-06, 1e+06], its "
         "lateral "

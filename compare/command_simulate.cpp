@@ -43,6 +43,9 @@ void print_run(std::FILE* out, const RunResult& run) {
   fmt::print(out, "  {:<12} {}\n", "uncollided", with_error(run.uncollided, run));
   fmt::print(out, "  {:<12} {}\n", "absorbed", with_error(run.absorbed, run));
   fmt::print(out, "  {:<12} {}\n", "unresolved", with_error(run.unresolved, run));
+  if (run.holes > 0)
+    fmt::print(out, "  {:<12} {} rays began inside of a grain: please report it\n", "holes",
+               run.holes);
 }
 
 }  // namespace

@@ -39,8 +39,10 @@ Json to_json(const Stack& stack) {
     Json entry{{"medium", layer.medium_name}};
     for (const auto& [key, value] : layer.parameters.all()) entry[key] = to_json(value);
     entry["albedo"] = to_json(ParameterValue(layer.albedo));
-    entry["thickness"] = json_number(layer.thickness);
-    entry["density"] = json_number(layer.density);
+    if (!layer.grains) {
+      entry["thickness"] = json_number(layer.thickness);
+      entry["density"] = json_number(layer.density);
+    }
     if (layer.grid) {
       entry["grid"] = layer.grid->file;
       entry["size"] = {layer.grid->size_x, layer.grid->size_y};
@@ -123,6 +125,7 @@ Json to_json(const RunResult& run) {
                        {"nodes", a->nodes},
                        {"modes", a->modes},
                        {"bytes", a->bytes}};
+  if (run.holes > 0) out["holes"] = run.holes;
   return out;
 }
 

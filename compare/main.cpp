@@ -431,6 +431,30 @@ int run_program(int argc, char** argv) {
   CLI::App* man = app.add_subcommand("man", "The manual page, for man -l -");
   man->footer("Example: lamella man");
 
+  CLI::App* measure = app.add_subcommand(
+      "measure", "Explicit geometry as a medium: areas, normals, density, an equivalent stack");
+  measure->add_option("STACK", options.stack, "TOML file, - for stdin, or a built-in stack");
+  add_walks(*measure, walks, "Rays from above, and as many points");
+  measure->add_option("--medium", options.medium, "Of the equivalent stack (default vmf_flake)")
+      ->transform(one_of({"vmf_flake", "sggx", "lambert_sphere"}))
+      ->type_name("vmf_flake|sggx|lambert_sphere");
+  measure->add_option("-o,--output", options.output, "Write the equivalent stack to FILE.toml")
+      ->type_name("FILE.toml");
+  add_seed_and_threads(*measure, options);
+  add_json(*measure, options);
+  measure->footer("Example: lamella measure sphere_bed_dense --walks 1e5 -o equivalent.toml");
+
+  std::string figure;
+  CLI::App* reproduce =
+      app.add_subcommand("reproduce", "A published figure, again, from explicit geometry");
+  reproduce->add_option("NAME", figure, "The figure; without: lists what there is");
+  add_walks(*reproduce, walks, "Walks or rays in all");
+  reproduce->add_option("-o,--output", options.output, "Folder for the pictures (default ./NAME)")
+      ->type_name("FOLDER");
+  add_seed_and_threads(*reproduce, options);
+  add_json(*reproduce, options);
+  reproduce->footer("Example: lamella reproduce micrograin_figure_9 --walks 1e5");
+
   CLI::App* models = app.add_subcommand("models", "The closed forms: parameters, lobes, source");
   CLI::App* media = app.add_subcommand("media", "The media: keys, ranges, units, source");
   CLI::App* stacks = app.add_subcommand("stacks", "The built-in stacks");
@@ -451,7 +475,9 @@ int run_program(int argc, char** argv) {
                                  given.empty() ? "" : " " + given.front()->get_name()));
   }
   if (!options.json.empty() && options.json != "-") check_output_file(options.json);
-  if (!walks.empty()) options.walks = parse_walks(walks);
+  options.walks_given = !walks.empty();
+  options.medium_given = measure->count("--medium") > 0;
+  if (options.walks_given) options.walks = parse_walks(walks);
   for (const CLI::App* command : app.get_subcommands())
     for (const char* name : {"--walks", "--target-error", "--max-order", "--time"})
       if (const CLI::Option* option = command->get_option_no_throw(name); option && *option)
@@ -487,6 +513,8 @@ int run_program(int argc, char** argv) {
       return kDone;
     }
     if (explain->parsed()) return explain_command(options);
+    if (measure->parsed()) return measure_command(options);
+    if (reproduce->parsed()) return reproduce_command(options, figure);
     if (models->parsed()) return models_command(options);
     if (media->parsed()) return media_command(options);
     return stacks_command(options);

@@ -51,7 +51,9 @@ struct Options {
   int size = 192;                                        ///< of preview, pixels
   std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
   std::string of = "compare";                            ///< of sweep: compare or furnace
-  bool answer_only = false;  ///< compare: the JSON alone, no folder (for sweep)
+  bool answer_only = false;          ///< compare: the JSON alone, no folder (for sweep)
+  std::string medium = "vmf_flake";  ///< that stands for explicit geometry
+  bool medium_given = false, walks_given = false;
 };
 
 /// A number as the command line has it, "inf" among them; nothing if the text is anything else.

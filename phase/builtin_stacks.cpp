@@ -117,6 +117,22 @@ std::vector<BuiltinStack> make_list() {
        layer(
            "medium = \"henyey_greenstein\"\ng = 0.5\nalbedo = 0.95\ndensity = 4\nthickness = 0.5\n"
            "grid = \"builtin:blotches\"\nsize = [1, 1]\n")},
+      {"sphere_bed_dilute", "Lambertian spheres that fill 5 % of a deep slab, albedo 0.9",
+       lambert_sphere + ", figure 1",
+       layer("medium = \"sphere_bed\"\nradius = 0.02\npacking = 0.05\nthickness = 4\n"
+             "albedo = 0.9\n")},
+      {"sphere_bed_dense", "overlapping Lambertian spheres, porous yet connected, albedo 0.9",
+       vmf + ", figure 2",
+       layer("medium = \"sphere_bed\"\nradius = 0.02\npacking = 1\nthickness = 0.8\n"
+             "albedo = 0.9\n")},
+      {"sphere_bed_packed", "Lambertian spheres that do not overlap and fill 30 %, albedo 0.9",
+       lambert_sphere + ", figure 12",
+       layer("medium = \"packed_sphere_bed\"\nradius = 0.02\npacking = 0.3\nthickness = 0.8\n"
+             "albedo = 0.9\n")},
+      {"micrograins_dust", "Lambertian grains over half of a dark plane",
+       "Lucas et al. 2023, Micrograin BSDF",
+       layer("medium = \"micrograins\"\ntau0 = 0.5\nbeta = 0.5\nalbedo = 0.8\n") +
+           "[substrate]\nalbedo = 0.2\n"},
       {"sggx_slab", "mirror flakes of roughness 0.5, depth 2, albedo 0.9", "standard case",
        layer("medium = \"sggx\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 2\n")},
       {"hg_slab", "Henyey-Greenstein, g = 0.7, depth 4, albedo 0.9", "standard case",

@@ -10,7 +10,14 @@ namespace lamella {
 
 /// What a stream of random numbers is for. Streams of one walk with different purposes are
 /// independent of each other.
-enum class StreamPurpose : std::uint32_t { walk = 0, targets = 1, test = 2, model = 3 };
+enum class StreamPurpose : std::uint32_t {
+  walk = 0,
+  targets = 1,
+  test = 2,
+  model = 3,
+  geometry = 4,
+  measure = 5
+};
 
 /// Counter-based random numbers: (seed, index, purpose, position) -> number, so that a walk has the
 /// same numbers in whatever thread, batch or shard it runs. Philox 4x32 with 7 rounds, the fewest

@@ -13,6 +13,7 @@ double mean_decay(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
 SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo) {
   refuse_grid(stack, "single scattering in closed form");
+  stack.require_layers("single scattering");
   wi = with_grazing_limit(wi);
   wo = with_grazing_limit(wo);
   const bool reflects = (wi.z < 0) == (wo.z < 0);

@@ -6,6 +6,16 @@
 
 namespace lamella {
 
+const GrainGeometry* Stack::grains() const {
+  return !layers.empty() && layers[0].grains ? &*layers[0].grains : nullptr;
+}
+
+void Stack::require_layers(const char* what) const {
+  if (grains())
+    throw std::invalid_argument(name + " is explicit geometry (" + layers[0].medium_name +
+                                "): " + what + " needs layers of media");
+}
+
 bool Stack::is_half_space() const { return !layers.empty() && std::isinf(layers.back().depth()); }
 
 bool Stack::has_grid() const {
@@ -43,6 +53,7 @@ double Stack::one_sidedness() const {
 
 double Stack::uncollided(Direction w) const {
   refuse_grid(*this, "uncollided light in closed form");
+  require_layers("an optical depth");
   if (is_half_space()) return 0;
   w = with_grazing_limit(w);
   double optical_depth = 0;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "phase/grain_geometry.h"
 #include "phase/medium.h"
 
 namespace lamella {
@@ -29,6 +30,8 @@ struct Layer {
   double density = 1;     ///< [1/mm], in [0, infinity)
   /// Multiplies the density from voxel to voxel; the grid's height is the thickness, then finite.
   std::optional<GridReference> grid = {};
+  /// Explicit geometry in the place of the medium, which then has no meaning.
+  std::optional<GrainGeometry> grains = {};
 
   /// thickness times density, dimensionless; infinity for a half space.
   [[nodiscard]] double depth() const { return thickness * density; }
@@ -45,6 +48,10 @@ struct Stack {
   std::vector<Layer> layers;
   std::optional<Substrate> substrate;
 
+  /// The explicit geometry that the stack consists of, or nullptr if it is made of layers.
+  [[nodiscard]] const GrainGeometry* grains() const;
+  /// Throws std::invalid_argument if the stack is explicit geometry: `what` has no meaning then.
+  void require_layers(const char* what) const;
   [[nodiscard]] bool is_half_space() const;
   /// Whether light can come from below, and leave there.
   [[nodiscard]] bool is_open_below() const { return !substrate && !is_half_space(); }
@@ -62,7 +69,7 @@ struct Stack {
   /// exp(-this) times transmission from below along the reversed pair.
   [[nodiscard]] double one_sidedness() const;
   /// Fraction of the light that arrives from w (a unit vector that points away from the stack) and
-  /// crosses all layers without a collision; 0 through a half space.
+  /// crosses all layers without a collision; 0 through a half space. Not of explicit geometry.
   [[nodiscard]] double uncollided(Direction w) const;
 };
 

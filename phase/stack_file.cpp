@@ -91,6 +91,12 @@ class Reader {
     for (const auto& node : *array) {
       stack.layers.push_back(read_layer(*node.as_table(), index));
       const Layer& layer = stack.layers.back();
+      if (layer.grains && array->size() > 1)
+        fail(
+            node.as_table()->get("medium")->source(),
+            fmt::format("layer {}: key \"medium\": found \"{}\" among {} layers; allowed: explicit "
+                        "geometry as the only layer, over a [substrate] or none",
+                        index, layer.medium_name, array->size()));
       if (std::isinf(layer.thickness) && node.as_table() != array->back().as_table())
         fail(array->get(index)->as_table()->get("thickness")->source(),
              fmt::format("layer {}: key \"thickness\": found inf; allowed: a finite number in "
@@ -110,6 +116,9 @@ class Reader {
              "below layers of finite thickness, or none");
       stack.substrate = read_substrate(*table);
     }
+    // Micrograins are halves: there is always a plane that they stand on.
+    if (stack.grains() && !stack.grains()->is_bed() && !stack.substrate)
+      stack.substrate = Substrate{};
     return stack;
   }
 
@@ -174,11 +183,14 @@ class Reader {
     const std::string where = fmt::format("layer {}", index);
     std::vector<std::string> names;
     for (const MediumInfo& info : media()) names.push_back(info.name);
+    for (const GeometryInfo& info : geometries()) names.push_back(info.name);
     const toml::node* medium = table.get("medium");
     if (!medium)
       fail(table.source(), fmt::format("{}: key \"medium\": found nothing; allowed: one of {}",
                                        where, listed(names)));
     const toml::value<std::string>* name = medium->as_string();
+    if (const GeometryInfo* geometry = name ? find_geometry(name->get()) : nullptr)
+      return read_geometry(table, *geometry, where);
     const MediumInfo* info = name ? find_medium(name->get()) : nullptr;
     if (!info) {
       const std::string hint = name ? suggestion(name->get(), names) : "";
@@ -212,7 +224,8 @@ class Reader {
       Medium built = info->make(own);
       const Rgb f0 = own.has("f0") ? own.color("f0") : Rgb(1);
       return {info->name, std::move(own), std::move(built), all.color("albedo"),
-              f0,         thickness,      density,          grid};
+              f0,         thickness,      density,          grid,
+              {}};
     } catch (const ParameterError& error) {
       const toml::node* node = table.get(error.key);
       fail(node ? node->source() : table.source(), fmt::format("{}: {}", where, error.what()));
@@ -287,6 +300,28 @@ class Reader {
     return value ? to_text(*value) : described(node);
   }
 
+  Layer read_geometry(const toml::table& table, const GeometryInfo& info,
+                      const std::string& where) const {
+    std::vector<ParameterInfo> infos = info.parameters;
+    infos.push_back(kAlbedo);
+    Parameters all = read_keys(table, infos, {"medium"}, where);
+    Layer layer{.medium_name = info.name,
+                .parameters = {},
+                .medium = HenyeyGreenstein{0},
+                .albedo = all.color("albedo")};
+    for (const ParameterInfo& parameter : info.parameters)
+      if (all.has(parameter.name)) layer.parameters.set(parameter.name, all.at(parameter.name));
+    try {
+      layer.grains = make_geometry(info, layer.parameters);
+    } catch (const ParameterError& error) {
+      const toml::node* node = table.get(error.key);
+      fail(node ? node->source() : table.source(), fmt::format("{}: {}", where, error.what()));
+    }
+    if (layer.parameters.has("f0")) layer.f0 = layer.parameters.color("f0");
+    layer.thickness = layer.grains->thickness;
+    return layer;
+  }
+
   Substrate read_substrate(const toml::table& table) const {
     const bool has_albedo = table.contains("albedo");
     const Parameters p = read_keys(table, {kBsdf, kAlbedo}, {}, "substrate");
@@ -318,8 +353,10 @@ std::string to_toml(const Stack& stack) {
     text += fmt::format("[[layer]]\nmedium = \"{}\"\n", layer.medium_name);
     for (const auto& [key, value] : layer.parameters.all())
       text += fmt::format("{} = {}\n", key, to_text(value));
-    text += fmt::format("albedo = {}\nthickness = {}\ndensity = {}\n", to_text(layer.albedo),
-                        to_text(layer.thickness), to_text(layer.density));
+    text += fmt::format("albedo = {}\n", to_text(layer.albedo));
+    if (!layer.grains)
+      text += fmt::format("thickness = {}\ndensity = {}\n", to_text(layer.thickness),
+                          to_text(layer.density));
     if (layer.grid)
       text += fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n",
                           quoted(layer.grid->file), to_text(layer.grid->size_x),

@@ -77,6 +77,7 @@ double largest_density(const Medium& medium) {
 std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
   if (plan.has_grids()) return "lanes have no kernel for density grids";
+  if (stack.grains()) return "explicit geometry is traced in double";
   if (plan.layers.size() != 1) return "lanes have no kernel for several layers yet";
   if (stack.substrate) return "lanes have no kernel for a substrate yet";
   if (plan.channels != 1) return "lanes have no kernel for colour yet";

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "volume/density_grid.h"
+#include "volume/grain_walk.h"
 #include "volume/lane_run.h"
 
 namespace lamella {
@@ -33,6 +34,7 @@ Plan bare_plan(const Stack& stack, std::uint64_t max_order) {
             .max_order = max_order,
             .layers = {},
             .grids = {}};
+  if (stack.grains()) return plan;
   for (int k = 0; k < static_cast<int>(stack.layers.size()); ++k)
     if (stack.has_grid() ? stack.layers[k].thickness > 0 : stack.layers[k].depth() > 0)
       plan.layers.push_back(k);
@@ -102,6 +104,37 @@ void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
                      "a medium per roughness is kept"});
 }
 
+void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector<PlanNote>& notes) {
+  notes.push_back(
+      {"geometry",
+       fmt::format("rays are traced among explicit grains: {} ({:.6g} in a tile of {:.6g} mm that "
+                   "repeats in x and y)",
+                   stack.layers[0].medium_name, grains.expected_count(), grains.tile),
+       "no medium stands for them; what a path meets twice because of the period is of the order "
+       "of one grain in all of the tile's"});
+  notes.push_back({"ensemble",
+                   fmt::format("a new realisation every {} walks of a batch, turned by a random "
+                               "angle",
+                               GrainSetting(stack, {0, 0, 1}, 1, 1).walks_per_realisation),
+                   "standard errors come from the scatter across realisations; light enters over "
+                   "the whole tile"});
+  if (stack.substrate)
+    notes.push_back({"below",
+                     fmt::format("an opaque Lambertian plane at z = {:.6g} mm, no transmission "
+                                 "tallies",
+                                 grains.bottom()),
+                     grains.is_bed()
+                         ? "a substrate below the lowest spheres; its reflection counts "
+                           "as an order"
+                         : "the plane that the grains stand on; its reflection counts "
+                           "as an order"});
+  else
+    notes.push_back({"below", "transmission tallies: what leaks through a bed is counted there",
+                     "no substrate"});
+  notes.push_back({"reciprocity", "of reflection and transmission",
+                   "of the mean over realisations: grains and substrate are reciprocal"});
+}
+
 }  // namespace
 
 std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
@@ -114,8 +147,15 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   notes.push_back(
       plan.folded
           ? PlanNote{"azimuth", "phi folded onto [0, 180]; the incident azimuth does not matter",
-                     "every layer is symmetric about the normal"}
+                     stack.grains() ? "the ensemble of realisations is symmetric about the normal"
+                                    : "every layer is symmetric about the normal"}
           : PlanNote{"azimuth", "the whole circle of phi", "a layer is not symmetric about z"});
+  if (const GrainGeometry* grains = stack.grains()) {
+    explain_grains(stack, *grains, notes);
+    notes.push_back({"orders", fmt::format("1, 2, 3, 4+; cut after {} events", plan.max_order),
+                     "what is cut is reported as unresolved"});
+    return notes;
+  }
   const std::size_t empty = stack.layers.size() - plan.layers.size();
   notes.push_back({"layers",
                    plan.layers.empty() ? "none is walked"

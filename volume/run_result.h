@@ -35,6 +35,7 @@ struct RunResult {
   CellGrid grid;
   int channels = 1;
   std::uint64_t walks = 0, collisions = 0;
+  std::uint64_t holes = 0;  ///< rays that began inside of explicit grains: a defect
   double seconds = 0;
   SideResult reflected, transmitted;
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};

@@ -1,5 +1,6 @@
 #include "volume/simulation.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <chrono>
@@ -17,6 +18,14 @@ Direction checked_incident(const Stack& stack, Direction wi) {
     throw std::invalid_argument(stack.substrate
                                     ? "light from below meets an opaque substrate"
                                     : "light from below cannot come through a half space");
+  if (stack.grains()) {
+    GrainScene::require_available();
+    if (std::abs(wi.z) < kGrainGrazingLimit)
+      throw std::invalid_argument(fmt::format(
+          "light at |mu| = {:.3g} on explicit geometry; allowed: |mu| of {} and above (theta up to "
+          "{:.2f} degrees)",
+          std::abs(wi.z), kGrainGrazingLimit, std::acos(kGrainGrazingLimit) * 180 / kPi));
+  }
   return wi;
 }
 
@@ -48,6 +57,11 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * targets_.count());
+  if (stack.grains()) {
+    run_batch_ = grain_runner(estimator == Estimator::analog ? GrainScores::analog
+                                                             : GrainScores::next_event);
+    return;
+  }
   if (plan.has_grids()) {
     run_batch_ =
         grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
@@ -75,6 +89,10 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
       batches_(kBatches) {
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * points_.size());
+  if (stack.grains()) {
+    run_batch_ = grain_runner(points_.empty() ? GrainScores::nothing : GrainScores::points);
+    return;
+  }
   if (plan.has_grids()) {
     run_batch_ = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
                              &points_, batches_);
@@ -127,6 +145,18 @@ Simulation::RunBatch Simulation::runner(Estimator estimator, bool points) {
   });
 }
 
+Simulation::RunBatch Simulation::grain_runner(GrainScores scores) {
+  grains_.emplace(stack_, incident_, seed_, plan_.max_order);
+  if (scores == GrainScores::points && grains_->geometry.surface != GrainSurface::lambert)
+    throw std::invalid_argument(
+        "f at points of grains that mirror; allowed: Lambertian grains, or lobes on cells (lamella "
+        "simulate, compare)");
+  return [this, scores](int batch, std::uint64_t from, std::uint64_t to) {
+    const auto walk = plan_.channels == 1 ? walk_among_grains<1> : walk_among_grains<3>;
+    walk(*grains_, scores, targets_, points_, batch, kBatches, from, to, batches_[batch]);
+  };
+}
+
 void Simulation::advance(std::uint64_t walks) {
   if (walks <= walks_) return;
   tbb::parallel_for(0, kBatches, [&](int batch) {
@@ -148,6 +178,16 @@ std::uint64_t Simulation::collisions() const {
   std::uint64_t sum = 0;
   for (const BatchTally& batch : batches_) sum += batch.collisions;
   return sum;
+}
+
+std::uint64_t Simulation::holes() const {
+  std::uint64_t sum = 0;
+  for (const BatchTally& batch : batches_) sum += batch.holes;
+  return sum;
+}
+
+std::uint64_t Simulation::stride() const {
+  return kBatches * (grains_ ? grains_->walks_per_realisation : 1);
 }
 
 namespace {
@@ -208,6 +248,7 @@ RunResult reduce(const Simulation& simulation) {
   run.channels = simulation.plan().channels;
   run.walks = simulation.walks();
   run.collisions = simulation.collisions();
+  run.holes = simulation.holes();
   const bool up = run.incident.z > 0;
   run.reflected = reduce_side(simulation, up);
   run.transmitted = reduce_side(simulation, !up);
@@ -252,7 +293,8 @@ double run(Simulation& simulation, const StopRule& rule,
   const auto start = Clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   constexpr double kCheckpointSeconds = 0.2;
-  std::uint64_t chunk = 16 * kBatches, next_test = 1 << 14;
+  std::uint64_t chunk = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
+  std::uint64_t next_test = std::max<std::uint64_t>(1 << 14, simulation.stride());
   while (simulation.walks() < rule.walks) {
     std::uint64_t goal = std::min(rule.walks, simulation.walks() + chunk);
     if (rule.target_error) goal = std::min(goal, std::max(next_test, simulation.walks() + 1));

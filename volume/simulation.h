@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "volume/grain_walk.h"
 #include "volume/plan.h"
 #include "volume/run_result.h"
 #include "volume/scorers.h"
@@ -19,16 +20,18 @@ inline constexpr int kBatches = 128;
 
 class LaneRun;
 
-/// The walks of one incident direction. For a given seed, estimator and number of walks the sums
-/// are the same to the last bit for any number of threads and any way in which `advance` got there.
+/// The walks of one incident direction, through layers or among explicit grains. For a given seed,
+/// estimator and number of walks the sums are the same to the last bit for any number of threads
+/// and any way in which `advance` got there.
 class Simulation {
  public:
   /// Lobes on cells. `incident`: unit, mu = 0 is the limit from above; below a half space or an
-  /// opaque substrate it is refused (std::invalid_argument).
+  /// opaque substrate it is refused (std::invalid_argument), as is, on explicit geometry, |mu|
+  /// below kGrainGrazingLimit. Explicit geometry without Embree throws GeometryError.
   Simulation(const Stack& stack, const Plan& plan, Direction incident, Estimator estimator,
              CellGrid grid, std::uint64_t seed);
   /// f at points, by next-event estimation. Every point must have mu != 0; those that go up first.
-  /// Without points: the energies alone.
+  /// Without points: the energies alone. Mirror grains cannot be aimed at points: refused.
   Simulation(const Stack& stack, const Plan& plan, Direction incident,
              std::vector<Direction> points, std::uint64_t seed);
   ~Simulation();
@@ -40,6 +43,10 @@ class Simulation {
 
   [[nodiscard]] std::uint64_t walks() const { return walks_; }
   [[nodiscard]] std::uint64_t collisions() const;
+  /// Rays that a defect of explicit geometry let into a grain: 0.
+  [[nodiscard]] std::uint64_t holes() const;
+  /// Advancing by a multiple of this many walks wastes nothing: among grains, whole realisations.
+  [[nodiscard]] std::uint64_t stride() const;
   [[nodiscard]] const std::vector<BatchTally>& batches() const { return batches_; }
   [[nodiscard]] const CellTargets& targets() const { return targets_; }
   [[nodiscard]] Direction incident() const { return incident_; }
@@ -54,6 +61,7 @@ class Simulation {
   using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;
   template <int C>
   [[nodiscard]] RunBatch runner(Estimator estimator, bool points);
+  [[nodiscard]] RunBatch grain_runner(GrainScores scores);
 
   Stack stack_;
   Plan plan_;
@@ -64,6 +72,7 @@ class Simulation {
   CellTargets targets_;
   std::vector<Direction> points_;
   WalkStack walk_stack_;
+  std::optional<GrainSetting> grains_;
   std::vector<BatchTally> batches_;
   RunBatch run_batch_;
   std::unique_ptr<LaneRun> lanes_;

@@ -29,6 +29,7 @@ struct EnergySums {
 struct BatchTally {
   std::uint64_t walks = 0;
   std::uint64_t collisions = 0;
+  std::uint64_t holes = 0;  ///< rays among grains that began inside of one
   EnergySums energy;
   /// Sums over walks of estimates of f [1/sr]: [order][channel][target], targets being cells or
   /// points.

@@ -11,7 +11,7 @@ class EveryCommandDoesWhatItSays(ProgramTest):
     def test_version_and_help_are_answers(self):
         self.assertRegex(self.lamella("--version").out, r"^lamella \d+\.\d+\.\d+\n$")
         commands = ["simulate", "compare", "furnace", "eval", "explain", "models", "media",
-                    "stacks"]
+                    "stacks", "measure", "reproduce"]
         overview = self.lamella("--help").out
         for command in commands:
             with self.subTest(command):

@@ -1,0 +1,101 @@
+"""Explicit geometry through every command that takes it."""
+
+import json
+
+from lamella_program import ProgramTest
+
+# Small tiles: realisations are cheap.
+BED = """
+[[layer]]
+medium = "sphere_bed"
+radius = 0.02
+packing = 1
+thickness = 0.2
+tile = 0.2
+albedo = [0.9, 0.6, 0.3]
+"""
+GRAINS = """
+[[layer]]
+medium = "micrograins"
+tau0 = 0.6
+beta = 0.7
+tile = 10
+albedo = 0.8
+[substrate]
+albedo = 0.2
+"""
+
+
+class ExplicitGeometry(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("bed.toml", BED)
+        self.write("grains.toml", GRAINS)
+
+    def test_simulate_keeps_a_ledger_and_says_what_leaks_below(self):
+        for stack in ("bed.toml", "grains.toml"):
+            with self.subTest(stack):
+                answer = self.json_of("simulate", stack, "--walks", "4000", "--wi", "40", "--quiet")
+                run = answer["runs"][0]
+                self.assertNotIn("holes", run)
+                for channel in range(len(run["absorbed"])):
+                    total = sum(run[key][channel] for key in ("uncollided", "absorbed", "unresolved"))
+                    total += sum(run[side]["total"][channel] for side in ("reflected", "transmitted"))
+                    self.assertAlmostEqual(total, 1, places=12)
+
+    def test_equal_runs_give_equal_answers_for_any_number_of_threads(self):
+        runs = [self.json_of("simulate", "bed.toml", "--walks", "4000", "--wi", "40", "--quiet",
+                             "--threads", threads)["runs"][0] for threads in ("1", "2")]
+        for run in runs:
+            del run["seconds"]
+        self.assertEqual(*runs)
+
+    def test_white_furnaces_pass_by_next_event_estimation(self):
+        for stack in ("bed.toml", "grains.toml"):
+            with self.subTest(stack):
+                answer = self.json_of("furnace", stack, "--walks", "4000", "--wi", "60", "--quiet")
+                self.assertEqual(answer["verdict"], "pass")
+
+    def test_compare_judges_the_models_that_apply(self):
+        answer = self.json_of("compare", "grains.toml", "--walks", "4000", "--wi", "30", "--grid",
+                              "4x8", "--quiet")
+        self.assertIn("micrograin", [model["name"] for model in answer["models"]])
+
+    def test_truth_at_pairs(self):
+        self.write("pairs.csv", "theta_i,phi_i,theta_o,phi_o\n30,0,20,50\n")
+        lines = self.lamella("eval", "truth", "stack=bed.toml", "walks=4000", "--pairs",
+                             "pairs.csv").out.splitlines()
+        f, error = (float(x) for x in lines[1].split(",")[4::3])
+        self.assertGreater(f, 5 * error)
+
+    def test_measure_writes_an_equivalent_stack_that_simulates(self):
+        answer = self.json_of("measure", "bed.toml", "--walks", "20000", "--quiet", "-o",
+                              "medium.toml")
+        self.assertEqual(answer["equivalent"]["layer"][0]["medium"], "vmf_flake")
+        self.json_of("simulate", "medium.toml", "--walks", "2000", "--wi", "40", "--quiet")
+        refused = self.lamella("measure", "sggx_slab", status=2).err
+        self.assertIn("allowed: explicit geometry", refused)
+
+    def test_reproduce_lists_prints_and_draws(self):
+        names = [r["name"] for r in self.json_of("reproduce", "--quiet")["reproductions"]]
+        self.assertIn("vmf_figure_6", names)
+        answer = self.json_of("reproduce", "micrograin_figure_9", "--walks", "30000", "--quiet", "-o",
+                              "figure")
+        for picture in answer["pictures"]:
+            self.assertTrue((self.folder / "figure" / picture).read_bytes().startswith(b"\x89PNG"))
+        zs = [row["z"] for row in answer["rows"]]
+        self.assertLess(sum(z * z for z in zs) / len(zs), 2)
+        self.assertIn("did you mean", self.lamella("reproduce", "vmf_figure_7", status=2).err)
+
+    def test_explain_says_what_is_traced(self):
+        plan = self.json_of("explain", "bed.toml", "--quiet")["plan"]
+        self.assertIn("rays are traced", json.dumps(plan))
+
+    def test_grazing_light_and_mirrors_at_points_are_refused_in_words(self):
+        self.assertIn("allowed: |mu|", self.lamella("simulate", "bed.toml", "--wi", "90",
+                                                    status=2).err)
+        self.write("mirror.toml", BED + 'surface = "mirror"\n')
+        self.write("pairs.csv", "theta_i,phi_i,theta_o,phi_o\n30,0,20,50\n")
+        self.assertIn("allowed: Lambertian grains",
+                      self.lamella("eval", "truth", "stack=mirror.toml", "--pairs", "pairs.csv",
+                                   status=2).err)
