@@ -33,11 +33,11 @@ GrainGeometry bed(GrainPlacement placement, double packing) {
 }
 
 TEST(GrainGeometry, IsReadWithItsDefaultsAndSurvivesTheRoundTrip) {
-  for (const std::string& text :
-       {kBed + "albedo = 0.9\nsurface = 'mirror'\n", kBed + "[substrate]\nalbedo = 0.5",
-        "[[layer]]\nmedium = 'packed_sphere_bed'\nradius = 1\npacking = 0.3\nthickness = 9\n",
-        kMicrograins + "surface = 'dielectric'\n[substrate]\nalbedo = [0.1, 0.2, 0.3]",
-        kMicrograins + "surface = 'conductor'\nf0 = [0.9, 0.6, 0.5]"}) {
+  for (const std::string& text : std::initializer_list<std::string>{
+           kBed + "albedo = 0.9\nsurface = 'mirror'\n", kBed + "[substrate]\nalbedo = 0.5",
+           "[[layer]]\nmedium = 'packed_sphere_bed'\nradius = 1\npacking = 0.3\nthickness = 9\n",
+           kMicrograins + "surface = 'dielectric'\n[substrate]\nalbedo = [0.1, 0.2, 0.3]",
+           kMicrograins + "surface = 'conductor'\nf0 = [0.9, 0.6, 0.5]"}) {
     const Stack stack = parse(text);
     ASSERT_TRUE(stack.grains());
     const Stack again = parse(to_toml(stack));
