@@ -13,7 +13,8 @@ FORMAT_PACKAGES := clang-format clang-tidy
 SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
 
 CCACHE := $(shell command -v ccache 2>/dev/null)
-LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE))
+# A compiler cache where there is one, else precompiled headers, which it could not cache.
+LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF)
 
 .PHONY: demo test bench asan soak format tidy install-build-packages install-test-packages \
   install-format-packages release clean
