@@ -17,6 +17,8 @@ constexpr double kDeepest = 1e4;         // optical depth at which float still r
 constexpr double kNarrowestSggx = 0.02;  // smallest diagonal entry of A, over the largest
 constexpr double kNarrowestHg = 0.99;
 constexpr double kMostGrazingPoint = 1e-4;
+constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
+constexpr double kDeepestFromBehind = 100;
 
 template <class M>
 constexpr bool is_vmf =
@@ -25,12 +27,18 @@ template <class M>
 constexpr bool is_sggx =
     std::is_same_v<M, MirrorFlakes<Sggx>> || std::is_same_v<M, LambertFlakes<Sggx>>;
 
-std::optional<std::string> why_not_medium(const Medium& medium) {
+std::optional<std::string> why_not_medium(const Medium& medium, double depth) {
   return std::visit(
-      []<class M>(const M& m) -> std::optional<std::string> {
+      [&]<class M>(const M& m) -> std::optional<std::string> {
         if constexpr (is_vmf<M>) {
           if (m.is_delta() || vmf_concentration(m.ndf.alpha()) > kLargestMarginalKappa)
             return "vMF flakes narrower than alpha = 0.2 have no table";
+          // Light that sees their backs meets null collisions almost only: as many as its way is
+          // long.
+          const double up = m.ndf.axis().z;
+          if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
+            return "tilted vMF flakes, or deep ones that face down, ask for too many null "
+                   "collisions";
         } else if constexpr (is_sggx<M>) {
           const auto& a = m.ndf.matrix();
           const auto [least, most] = std::minmax({a.a00, a.a11, a.a22});
@@ -87,7 +95,7 @@ std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   if (depth < 1e-30 || (depth > kDeepest && std::isfinite(depth)))
     return fmt::format("an optical depth of {:g} is more than float resolves", depth);
   if (plan.max_order > 1000000000) return "orders above 1e9 are not counted on lanes";
-  return why_not_medium(layer.medium);
+  return why_not_medium(layer.medium, depth);
 }
 
 std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,

@@ -57,7 +57,7 @@ const std::vector<Case>& cases() {
        direction_from_degrees(30, 0)},
       {"medium = 'vmf_flake'\nroughness = 0.5\nalbedo = 0.9\nthickness = inf",
        direction_from_degrees(60, 0)},
-      {"medium = 'vmf_flake'\nroughness = 0.05\naxis = [0.3, 0.2, 1]\nalbedo = 0.9\nthickness = 2",
+      {"medium = 'vmf_flake'\nroughness = 0.05\nalbedo = 0.9\nthickness = 2",
        direction_from_degrees(20, 0)},
       {"medium = 'vmf_flake'\nroughness = 0.6\nflake = 'mirror'\nalbedo = 0.9\nthickness = 1.5",
        direction_from_degrees(150, 0)},
@@ -193,7 +193,7 @@ TEST_P(LaneWalk, IsBitIdenticalForAnyThreadsAndCheckpoints) {
 
 TEST_P(LaneWalk, TheSameWalksOnAnotherInstructionSetDifferByRoundingOnly) {
   // Same numbers, other rounding (fused or not, other reciprocals): now and then a walk takes
-  // another turn. Measured: at most 3 walks in 10000 end elsewhere.
+  // another turn. 3e-4 is 18 of the 60000 walks.
   for (std::size_t k = 0; k < cases().size(); ++k) {
     const RunResult a = reduce(*on_cells(cases()[k], GetParam(), 1));
     const RunResult b = reduce(*on_cells(cases()[k], Isa::sse4, 1));
@@ -258,6 +258,7 @@ TEST_P(LaneWalk, HardCasesKeepTheLedgerOrAreLeftToDouble) {
           const Stack stack = stack_from(layer(keys));
           Simulation s(stack, plan_for(stack, GetParam(), 200), direction_from_mu_phi(mu, 0.3),
                        Estimator::analog, CellGrid{2, 4, false}, 1);
+          if (why_not_lanes(stack, plan_for(stack, GetParam()))) continue;  // deep, facing down
           ASSERT_EQ(s.isa(), GetParam()) << keys;
           s.advance(512);
           const RunResult run = reduce(s);
@@ -267,9 +268,11 @@ TEST_P(LaneWalk, HardCasesKeepTheLedgerOrAreLeftToDouble) {
           }
         }
   for (const char* medium :
-       {"medium = 'sggx'\nroughness = 0.001", "medium = 'vmf_flake'\nalpha = 0.1",
-        "medium = 'henyey_greenstein'\ng = 0.999", "medium = 'lambert_sphere'\nthickness = 1e9",
-        "medium = 'lambert_sphere'\nalbedo = [0.9, 0.5, 0.2]"}) {
+       {"medium = 'sggx'\nroughness = 0.001\nthickness = 1",
+        "medium = 'vmf_flake'\nalpha = 0.1\nthickness = 1",
+        "medium = 'henyey_greenstein'\ng = 0.999\nthickness = 1",
+        "medium = 'lambert_sphere'\nthickness = 1e9",
+        "medium = 'lambert_sphere'\nalbedo = [0.9, 0.5, 0.2]\nthickness = 1"}) {
     const Stack stack = stack_from(layer(medium));
     EXPECT_TRUE(why_not_lanes(stack, plan_for(stack, GetParam()))) << medium;
   }
