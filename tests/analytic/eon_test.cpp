@@ -105,8 +105,8 @@ TEST(Eon, MultipleScatteringIsTintedByTheSquareOfTheAlbedo) {
 }
 
 TEST(Eon, LossKeepsAllDigitsDownToGrazing) {
-  // The printed form, G_F by eqs. 8 and 13, in 50 digits.
-  using Long = boost::multiprecision::cpp_bin_float_50;
+  // The printed form, G_F by eqs. 8 and 13, in 100 digits.
+  using Long = boost::multiprecision::cpp_bin_float_100;
   const auto printed = [](double x) {
     const Long mu = x, s = sqrt(1 - mu * mu), pi = boost::math::constants::pi<Long>();
     const Long third = Long(2) / 3;
