@@ -58,7 +58,7 @@ class Grids(ProgramTest):
         answer = self.lamella("compare", "woven_cloth", "--model", "single_scattering", *QUICK,
                               status=2)
         self.assertIn("homogeneous layers only", answer.err)
-        self.assertIn("none", self.lamella("explain", "woven_cloth").out.split("models")[1])
+        self.assertRegex(self.lamella("explain", "woven_cloth").out, r"models +none")
 
     def test_light_along_the_horizon_is_refused(self):
         answer = self.lamella("simulate", "woven_cloth", "--wi", "90", *QUICK, status=2)
@@ -73,7 +73,7 @@ class Grids(ProgramTest):
         self.assertEqual(flat["contrast"][0]["voxel"] < 1e-6, True)
         self.assertNotIn("differs", [lobe["verdict"] for lobe in flat["lobes"]])
         self.assertIn("differs", [lobe["verdict"] for lobe in full["lobes"]])
-        self.assertGreater(full["contrast"][0]["voxel"], 0.3)
+        self.assertGreater(full["contrast"][0]["voxel"], 0.2)
         again = self.json_of("simulate", "layers.toml", *QUICK, "--wi", "30")
         self.assertNotIn("grid", again["stack"]["layer"][0])
         self.lamella("compare", "layers.toml", "--model", "single_scattering", *QUICK)
