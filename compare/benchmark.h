@@ -18,7 +18,7 @@ struct BenchmarkRow {
   std::optional<double> seconds{};
   std::optional<double> collisions_per_second_per_core{};
   std::optional<double> ns_per_eval{};
-  std::optional<double> error{};              ///< relative standard error reached
+  std::optional<double> error{};              ///< relative standard error or bound reached
   std::string baseline{};                     ///< in words; empty: none
   std::optional<double> ratio_to_baseline{};  ///< above 1 is faster than the baseline
   nlohmann::ordered_json extra{};             ///< further keys, an object or null
@@ -81,6 +81,11 @@ void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const R
 /// Cost per value of the reflected lobe against its error, on the stacks of the walk rows: each
 /// estimator at growing numbers of walks, and the closed forms that apply; one thread.
 void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// The solver: seconds and memory against digits reached, all cells of a grid, growth of the cost
+/// with nodes, modes and layers, one thread.
+void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
+                           const ReportRow& report);
 
 /// What the plan saves against the general one on the same stack, one thread.
 void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);

@@ -13,6 +13,7 @@ int furnace_command(const Options& options);
 /// Depth profiles in the place of the stack's grids, and what that costs.
 int homogenise_command(const Options& options);
 int bench_command(const Options& options);
+int accuracy_command(const Options& options);
 int preview_command(const Options& options);
 int sweep_command(const Options& options);
 int show_command(const Options& options);

@@ -18,6 +18,13 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("variance_ratio"))
     note +=
         fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
+  if (row.extra.contains("nodes"))
+    note += fmt::format("{}{} nodes, {} modes, {:.2g} MB", note.empty() ? "" : ", ",
+                        row.extra["nodes"].get<int>(), row.extra["modes"].get<int>(),
+                        1e-6 * row.extra["bytes"].get<double>());
+  if (row.extra.contains("exponent"))
+    note += fmt::format(", exponent {:.2f}", row.extra["exponent"].get<double>());
+  if (row.extra.contains("reached") && !row.extra["reached"].get<bool>()) note += ", not reached";
   if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
     note += note.empty() ? "extrapolated" : ", extrapolated";
   if (row.extra.contains("rays_per_second"))
@@ -55,6 +62,7 @@ int bench_command(const Options& options) {
       [&] { measure_plan(effort, options.seed, report); },
       [&] { measure_threads(effort, options.seed, report); },
       [&] { measure_accuracy(effort, options.seed, report); },
+      [&] { measure_deterministic(effort, options.seed, report); },
       [&] { measure_grids(effort, options.seed, report); },
       [&] { measure_models(effort, report); },
       [&] { measure_tradeoff(effort, options.seed, report); },

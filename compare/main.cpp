@@ -123,6 +123,16 @@ void add_max_order(CLI::App& command, Options& options) {
       ->type_name("K");
 }
 
+void add_tolerance(CLI::App& command, Options& options) {
+  command
+      .add_option(
+          "--tolerance", options.tolerance,
+          "Largest error of the deterministic solver, relative to the mean over the azimuth "
+          "(default 1e-6)")
+      ->transform(positive_number())
+      ->type_name("E");
+}
+
 void add_seed_and_threads(CLI::App& command, Options& options) {
   command.add_option("--seed", options.seed, "Seed of the random numbers (default 1)")
       ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
@@ -151,13 +161,7 @@ void add_estimator(CLI::App& command, Options& options) {
   command.add_option("--estimator", options.estimator, "How light is counted (default auto)")
       ->transform(one_of({"auto", "analog", "next-event", "deterministic"}))
       ->type_name("auto|analog|next-event|deterministic");
-  command
-      .add_option(
-          "--tolerance", options.tolerance,
-          "Largest error of the deterministic solver, relative to the mean over the azimuth "
-          "(default 1e-6)")
-      ->transform(positive_number())
-      ->type_name("E");
+  add_tolerance(command, options);
 }
 
 void add_run_options(CLI::App& command, Options& options, std::string& walks) {
@@ -334,6 +338,13 @@ int run_program(int argc, char** argv) {
   add_json(*invert, options);
   invert->footer("Example: lamella invert vmf_diffuse color=0.8,0.4,0.2 roughness=0.5");
 
+  CLI::App* accuracy = app.add_subcommand(
+      "accuracy", "How far every closed form is from the truth, as a Markdown table");
+  add_tolerance(*accuracy, options);
+  accuracy->add_flag("--quick", options.quick, "One stack of each family");
+  add_json(*accuracy, options);
+  accuracy->footer("Example: lamella accuracy --quick");
+
   CLI::App* eval = app.add_subcommand("eval", "Values of a model at direction pairs, as CSV");
   eval->add_option("MODEL", words, "Model or medium (see README), then key=value...")
       ->required()
@@ -499,6 +510,7 @@ int run_program(int argc, char** argv) {
     if (samplers->parsed()) return samplers_command(options, closed);
     if (fit->parsed()) return fit_command(options, closed);
     if (invert->parsed()) return invert_command(options, closed, words);
+    if (accuracy->parsed()) return accuracy_command(options);
     if (eval->parsed()) return eval_command(options, words);
     if (sweep->parsed()) return sweep_command(options);
     if (preview->parsed()) return preview_command(options);

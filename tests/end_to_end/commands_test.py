@@ -10,7 +10,7 @@ EXR_MAGIC = b"\x76\x2f\x31\x01"
 class EveryCommandDoesWhatItSays(ProgramTest):
     def test_version_and_help_are_answers(self):
         self.assertRegex(self.lamella("--version").out, r"^lamella \d+\.\d+\.\d+\n$")
-        commands = ["simulate", "compare", "furnace", "eval", "explain", "models", "media",
+        commands = ["simulate", "compare", "furnace", "accuracy", "eval", "explain", "models", "media",
                     "stacks", "measure", "reproduce"]
         overview = self.lamella("--help").out
         for command in commands:

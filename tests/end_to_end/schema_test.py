@@ -77,6 +77,17 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
             with self.subTest(command):
                 self.json_of(command)
 
+    def test_accuracy_of_every_form_that_claims_a_medium(self):
+        answer = self.json_of("accuracy", "--quick", "--tolerance", "1e-3", "--quiet")
+        rows = {(row["family"], row["model"]): row for row in answer["rows"]}
+        names = {model for _, model in rows}
+        self.assertLessEqual({"chandrasekhar", "lambert_sphere", "lambert_sphere_three_term",
+                              "vmf_diffuse", "single_scattering", "spongecake"}, names)
+        # Exact forms: what is left is the truth's tolerance and the projection's 1e-4.
+        exact = rows["isotropic half space", "chandrasekhar"]
+        self.assertLess(max(exact["relative_rmse"]), 1e-3)
+        self.assertGreater(rows["isotropic half space", "single_scattering"]["energy_off"], 0.1)
+
     def test_bench_rows_as_the_contract_has_them(self):
         answer = self.json_of("bench", "--quick", "--quiet")
         whats = [row["what"] for row in answer["rows"]]
@@ -86,6 +97,9 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
         for model in self.json_of("models")["models"]:
             self.assertIn("eval/" + model["name"], whats)
             self.assertIn("eval_batch/" + model["name"], whats)
+        solved = [row for row in answer["rows"] if row["kind"] == "deterministic"]
+        self.assertIn("hg_slab/solve/1e-04", [row["what"] for row in solved])
+        self.assertTrue(all(row["seconds"] > 0 and row["nodes"] > 0 for row in solved))
         for key in ("what", "kind", "seconds", "collisions_per_second_per_core", "ns_per_eval",
                     "error", "baseline", "ratio_to_baseline"):
             less = {k: v for k, v in answer["rows"][0].items() if k != key}

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace lamella {
+
+/// How far a closed form is from the solved truth of one stack that it claims to describe, at the
+/// default incident directions (theta_i = 0, 30, 60, 80 degrees), all orders, reflection; for slabs
+/// reflection and transmission.
+struct ModelAccuracy {
+  std::string family;  ///< of stacks, in words
+  std::string stack;   ///< the parameters that vary within it
+  std::string model;
+  std::vector<double> relative_rmse;  ///< per incident direction
+  double energy_off = 0;              ///< largest |energy of the model - of the truth|
+  double bound = 0;                   ///< of the truth, relative to the mean over the azimuth
+};
+
+/// Every closed form that claims a medium, over its parameters, against the deterministic solver on
+/// 16 x 32 cells. `quick`: the first stack of each family. Stops after the stack at hand once
+/// `interrupted` is set.
+void measure_model_accuracy(bool quick, double tolerance,
+                            const std::function<void(const ModelAccuracy&)>& report);
+
+}  // namespace lamella
