@@ -12,8 +12,9 @@ FORMAT_PACKAGES := clang-format clang-tidy
 # The quick subset that `make test` also runs with sanitizers; `make asan` runs everything.
 SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
 
-CCACHE := $(shell command -v ccache 2>/dev/null)
-# A compiler cache where there is one, else precompiled headers, which it could not cache.
+# `make test CCACHE=ccache`: a compiler cache in the place of precompiled headers, which it cannot
+# keep.
+CCACHE :=
 LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF)
 
 .PHONY: demo test bench asan soak format tidy install-build-packages install-test-packages \

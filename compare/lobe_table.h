@@ -10,8 +10,7 @@ namespace lamella {
 
 /// The reflection of a stack that is symmetric about z at any pair of directions, fast enough for a
 /// picture: exact single scattering plus an interpolated table of the rest, which is smooth.
-/// Relative error of the interpolation below 1 % where mu_i and mu_o are above 0.05, measured on
-/// the built-in stacks; deltas are left out.
+/// For pictures: the interpolation has no stated bound, and deltas are left out.
 class LobeTable {
  public:
   /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = kLeastMu.

@@ -12,7 +12,7 @@ namespace lamella {
 ///   2: density sqrt(1 - v^2) exp(kappa v), upper half, xi = t^3 / 2 from v = 1;
 ///   3: its lower half, xi = t^3 / 2 from v = -1.
 /// kappa in [0, kLargestMarginalKappa]. The cumulative probability at a table's value differs from
-/// xi by less than 2e-5, and by less than 2e-7 on the mean over xi.
+/// xi by less than 2e-5.
 [[nodiscard]] std::vector<float> vmf_marginals(double kappa);
 inline constexpr double kLargestMarginalKappa = 50;
 
