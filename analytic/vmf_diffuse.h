@@ -11,10 +11,10 @@ namespace lamella {
 /// With modes in the azimuth, f_k = f_k^(0) + 2 f_k^(1) cos phi + 2 f_k^(2) cos 2 phi: the printed
 /// f_k^(1), f_k^(2) are half of the cosine coefficients. Each lobe is clamped at 0, and r = 0 is
 /// c / pi in f_1 alone. Reciprocal. Directional albedo of a white half space (which should be 1):
-/// 0.89 to 1.14, the most at grazing. Relative rms error of f for c = 1 and cosines from 0.15 to 0.9, at r = 0.1, 0.5
-/// and 1: 0.023, 0.022, 0.048 (as printed 0.17, 0.15, 0.13). Where both cosines are 0.02, off by up
-/// to 0.33 [1/sr]. Sampler: vmf_diffuse_sampler.h. Lobes f1, f2, f3, fm: orders 1, 2, 3 and 4+.
-/// d'Eon and Weidlich 2024, "VMF Diffuse: A unified rough diffuse BRDF".
+/// 0.89 to 1.14, the most at grazing. Relative rms error of f for c = 1 and cosines from 0.15 to
+/// 0.9, at r = 0.1, 0.5 and 1: 0.023, 0.022, 0.048 (as printed 0.17, 0.15, 0.13). Where both
+/// cosines are 0.02, off by up to 0.33 [1/sr]. Sampler: vmf_diffuse_sampler.h. Lobes f1, f2, f3,
+/// fm: orders 1, 2, 3 and 4+. d'Eon and Weidlich 2024, "VMF Diffuse: A unified rough diffuse BRDF".
 [[nodiscard]] ModelInfo vmf_diffuse_model();
 
 /// The same with the formulas as printed, but for the sign in eq. 4, without which sigma is

@@ -205,7 +205,8 @@ void DensityGrid::make_cells(MajorantCells kind) {
   // Merged from below: a cell of level k is taken whole if crossing it then costs no more than
   // crossing its parts. Per mm of a way, a cell costs its boundaries, 1.5 per edge for a cube, and
   // its tentative collisions.
-  constexpr double kStep = 0.4;  // of a boundary, in tentative collisions: a guess that only speed knows
+  constexpr double kStep =
+      0.4;  // of a boundary, in tentative collisions: a guess that only speed knows
   int top = 0;
   while ((1 << top) < std::max({blocks[0], blocks[1], blocks[2]})) ++top;
   const double edge[3] = {voxel_size_.x, voxel_size_.y, voxel_size_.z};
