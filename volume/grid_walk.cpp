@@ -110,6 +110,8 @@ struct TurnedEvent {
     return s;
   }
 };
+template <class Event>
+TurnedEvent(Event, const Frame<double>*) -> TurnedEvent<Event>;
 
 // Scorers of the walk through grids: what an event sends straight out is worth `Transmittance`
 // along the way, which is asked for only where it is scored.

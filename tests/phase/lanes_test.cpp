@@ -34,7 +34,9 @@ TEST_P(Lanes, LogarithmAndExponentialKeepTheirStatedErrors) {
     probe_math_for(GetParam())(x.data(), log.data(), exp.data(), sine.data(), cosine.data(), kMany);
     for (std::size_t i = 0; i < kMany; ++i) {
       const double v = x[i], l = std::log(std::abs(v));
-      if (v > -87) EXPECT_NEAR(exp[i], std::exp(v), 2e-7 * std::exp(v)) << v;
+      if (v > -87) {
+        EXPECT_NEAR(exp[i], std::exp(v), 2e-7 * std::exp(v)) << v;
+      }
       double allowed = 1.2e-7 * std::max(1.0, std::abs(l));
       if (std::abs(v) > 0.5 && std::abs(v) < 2) allowed = std::min(allowed, 3e-7 * std::abs(l));
       EXPECT_NEAR(log[i], l, allowed) << v;
