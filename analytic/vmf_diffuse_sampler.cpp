@@ -10,7 +10,7 @@ constexpr int kNodes = 9;  // per dimension
 
 // a, b, c, d, uniform
 constexpr ClippedCosine kLobes[kNodes * kNodes] = {
-#include "analytic/vmf_diffuse_sampler.inc"
+#include "analytic/vmf_diffuse_sampler_table.h"
 };
 
 }  // namespace

@@ -95,7 +95,7 @@ class BrokenCommandLines(ProgramTest):
             self.refused(["compare", "--model", f"lambert,albedo={value}"], 'key "albedo"', value,
                          "allowed: a number or three numbers")
         self.refused(["compare", "vmf_sand", "--model", "spongecake"], "spongecake", "vmf_sand",
-                     "allowed: a stack of SGGX")
+                     "allowed: a stack of homogeneous layers of SGGX")
 
     def test_eval_models(self):
         pairs = ["--pairs", self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.8,0\n")]

@@ -169,7 +169,7 @@ std::vector<Broken> broken_stacks() {
       {"unknown key",
        kSphere + "thickness = 1\nalbdo = 0.5\n",
        4,
-       {"layer 0", "\"albdo\"", "did you mean \"albedo\"?", "allowed: medium, albedo, thickness"}},
+       {"layer 0", "\"albdo\"", "did you mean \"albedo\"?", "allowed: medium, ", "albedo, thickness"}},
       {"key of another medium", kSphere + "thickness = 1\ng = 0.5\n", 4, {"\"g\"", "allowed:"}},
       {"missing thickness",
        kSphere + "albedo = 1\n",
