@@ -31,7 +31,7 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
     note = fmt::format("{:.3g} rays/s among {} spheres; {}",
                        row.extra["rays_per_second"].get<double>(),
                        row.extra["spheres"].get<std::size_t>(), note);
-  if (row.extra.contains("bytes"))
+  if (row.extra.contains("bytes") && row.extra.contains("spheres"))
     note = fmt::format("{} spheres, {:.0f} MiB; {}", row.extra["spheres"].get<std::size_t>(),
                        static_cast<double>(row.extra["bytes"].get<std::int64_t>()) / 1048576, note);
   fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", row.what,

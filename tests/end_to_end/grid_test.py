@@ -65,7 +65,7 @@ class Grids(ProgramTest):
         self.assertIn("mu = 0", answer.err)
 
     def test_homogenise_writes_a_stack_and_tells_the_error(self):
-        answer = self.json_of("homogenise", "blotchy_layer", "--wi", "30", "--walks", "40000",
+        answer = self.json_of("homogenise", "blotchy_layer", "--wi", "30", "--walks", "400000",
                               "--contrast", "0", "--contrast", "1", "-o", "layers.toml",
                               "--quiet")
         flat, full = answer["comparisons"]

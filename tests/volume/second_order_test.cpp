@@ -88,13 +88,13 @@ TEST(SecondOrder, EqualsTheSolversWhereModesSuffice) {
   }
 }
 
-// 32 nodes and 80 modes err by up to 2.5e-7 (60 modes by 1e-5).
+// The modes of steep flakes end late: 160 of them, 80 leave 2e-6.
 TEST(SecondOrder, OfMirrorFlakesIsTheSumOfItsModes) {
   for (const std::string& medium : {sggx(0.5, "mirror"), vmf(0.5, "mirror"), fiber(0.6, "mirror"),
                                     sggx(0.5, "mirror") + "\nf0 = 0.04"}) {
     const Stack stack = stack_of(layer(medium, 0.9, 1.5) + layer(kSphere, 0.7, 0.3));
     const DeterministicSolution s = solve_deterministic(
-        stack, {.tolerance = 1e-9, .min_nodes = 32, .max_nodes = 32, .max_modes = 80});
+        stack, {.tolerance = 1e-9, .min_nodes = 32, .max_nodes = 32, .max_modes = 160});
     const SecondOrder second(stack, 0);
     const double mu_i[] = {0.6, -0.3}, mu_o[] = {0.45, 0.95, -0.9};
     const DeterministicField field = s.field(mu_i, mu_o);
