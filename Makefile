@@ -15,7 +15,7 @@ SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
 # `make test CCACHE=ccache`: a compiler cache in the place of precompiled headers, which it cannot
 # keep.
 CCACHE :=
-LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF)
+LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF -DLAMELLA_UNITY=OFF)
 
 .PHONY: demo test bench asan soak format tidy install-build-packages install-test-packages \
   install-format-packages release clean

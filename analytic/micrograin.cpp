@@ -413,7 +413,12 @@ ModelInfo micrograin_model() {
         p.set("surface", std::string(conductor ? "conductor" : "lambert"));
         p.set("albedo", stack.layers[0].albedo);
         p.set("f0", stack.layers[0].f0);
-        p.set("bulk_albedo", stack.substrate->albedo);
+        const Substrate& below = *stack.substrate;
+        p.set("bulk_albedo", below.albedo);
+        if (!below.model.empty()) {
+          p.set("bulk", below.model);
+          for (const auto& [key, value] : below.parameters.all()) p.set(kBulkKey + key, value);
+        }
         return p;
       },
       .parts = {{"ndf", "D of the normal w_i [1/sr]",

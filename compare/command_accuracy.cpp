@@ -5,9 +5,13 @@
 #include "compare/json_report.h"
 
 namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 int accuracy_command(const Options& options) {
-  using Json = nlohmann::ordered_json;
   std::FILE* out = table_stream(options);
   Json answer = json_header("accuracy", options);
   answer["tolerance"] = options.tolerance;

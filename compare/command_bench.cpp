@@ -9,6 +9,8 @@
 namespace lamella {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string cell(std::optional<double> x, const char* format) {
   return x ? fmt::format(fmt::runtime(format), *x) : "-";
 }
@@ -44,7 +46,6 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
 }  // namespace
 
 int bench_command(const Options& options) {
-  using Json = nlohmann::ordered_json;
   if (!options.html.empty()) check_output_file(options.html);
   BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
   effort.isa = isa_of(options);

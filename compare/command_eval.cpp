@@ -13,6 +13,7 @@
 #include "compare/direction_pairs.h"
 #include "compare/estimator_choice.h"
 #include "compare/model_request.h"
+#include "compare/surface_model.h"
 #include "compare/truth.h"
 #include "phase/builtin_stacks.h"
 
@@ -65,7 +66,7 @@ std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
   if (*name == "-" && pairs.file == kStdin)
     throw UsageError(fmt::format(
         "{}: key \"stack\": found - beside --pairs -; allowed: only one of them from stdin", what));
-  return load_stack(*name);
+  return with_surface_model(load_stack(*name));
 }
 
 // Pairs that a stack has no answer to.

@@ -10,6 +10,7 @@
 #include "compare/model_request.h"
 #include "compare/output_folder.h"
 #include "compare/report_page.h"
+#include "compare/surface_model.h"
 
 namespace lamella {
 namespace {
@@ -95,7 +96,7 @@ int model_furnace(const Options& options, const Stack& stack) {
 int furnace_command(const Options& options) {
   if (!options.html.empty()) check_output_file(options.html);
   Stack stack = stack_of(options);
-  if (!options.as_is) stack = whitened(std::move(stack));
+  if (!options.as_is) stack = with_surface_model(whitened(std::move(stack)));
   if (!options.models.empty()) return model_furnace(options, stack);
   GroundTruth truth(stack, options, kFurnaceGrid, Estimator::next_event);
   const Plan& plan = truth.plan();

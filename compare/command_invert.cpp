@@ -9,6 +9,7 @@
 #include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/model_request.h"
+#include "compare/surface_model.h"
 #include "phase/builtin_stacks.h"
 
 namespace lamella {
@@ -151,7 +152,7 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
     if (info) {
       answer = invert_model(what, *info, values, target, options, closed);
     } else {
-      const Stack stack = load_stack(what);
+      const Stack stack = with_surface_model(load_stack(what));
       if (!values.empty())
         throw UsageError(
             fmt::format("{}: key \"{}\": unknown; allowed: color", what, values[0].first));

@@ -11,6 +11,7 @@
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
 #include "compare/model_request.h"
+#include "compare/surface_model.h"
 #include "phase/stack_file.h"
 
 namespace lamella {
@@ -50,13 +51,14 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
     if (!value) throw broken(name);
     return *value;
   };
-  RecordedRun recorded{.stack = parse_stack(text("stack"), path, text("stack_name")),
-                       .options = given,
-                       .estimator = Estimator::analog,
-                       .grid = parse_grid(text("grid")),
-                       .directions = {},
-                       .walks = {},
-                       .model = {}};
+  RecordedRun recorded{
+      .stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name"))),
+      .options = given,
+      .estimator = Estimator::analog,
+      .grid = parse_grid(text("grid")),
+      .directions = {},
+      .walks = {},
+      .model = {}};
   recorded.options.seed = whole("seed");
   recorded.options.max_order = whole("max_order");
   recorded.options.isa = text("isa");

@@ -7,6 +7,7 @@
 #include "compare/json_report.h"
 #include "compare/output_folder.h"
 #include "compare/report_page.h"
+#include "compare/surface_model.h"
 #include "compare/sweep_axis.h"
 #include "phase/stack_file.h"
 
@@ -80,7 +81,7 @@ int sweep_command(const Options& options) {
   // Every point's stack is read before the first one runs.
   for (std::size_t k = 0; k < count; ++k) {
     const std::string text = with_values(stack, axes, place(k));
-    (void)parse_stack(text, fmt::format("--set, point {}", k), stack.name);
+    (void)with_surface_model(parse_stack(text, fmt::format("--set, point {}", k), stack.name));
   }
   const fs::path folder = options.output.empty() ? stack.name + "-sweep" : options.output;
   const fs::path points = folder / "points";

@@ -34,7 +34,7 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
   if (options.estimator == "analog") return {Estimator::analog, "asked for", nullptr};
   if (options.estimator == "next-event") return {Estimator::next_event, "asked for", nullptr};
   check_estimator(stack, options);
-  DeterministicOptions solver{.tolerance = kSolverShare * options.tolerance};
+  DeterministicOptions solver{.tolerance = kSolverShare * options.tolerance, .stop = &interrupted};
   if (options.estimator == "deterministic") {
     solver.max_seconds = options.seconds.value_or(kSeconds);
     const auto solution =
@@ -61,7 +61,8 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
 std::shared_ptr<const DeterministicSolution> refined(const Stack& stack, const Options& options) {
   return std::make_shared<const DeterministicSolution>(
       solve_deterministic(stack, {.tolerance = kRefinedShare * options.tolerance,
-                                  .max_seconds = options.seconds.value_or(kSeconds)}));
+                                  .max_seconds = options.seconds.value_or(kSeconds),
+                                  .stop = &interrupted}));
 }
 
 std::string estimator_text(const EstimatorChoice& choice, const Options& options) {

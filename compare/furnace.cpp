@@ -78,6 +78,8 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
   const std::size_t count = targets.count();
   const double solid_angle = targets.grid.projected_solid_angle();
   const double t = t_quantile(level);
+  // A closed form's sampler gives weights that are the albedo in the mean only.
+  const bool weighs = simulation.stack().substrate && simulation.stack().substrate->law;
   for (int c = 0; c < run.channels; ++c) {
     // The difference of the estimator and the ledger per batch: what both share cancels.
     const auto seen = [&](const BatchTally& b) {
@@ -98,8 +100,10 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     const double error = furnace.energy[c].standard_error;
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
+    const double lost =
+        run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
     FurnaceVerdict verdict = FurnaceVerdict::pass;
-    if ((std::abs(defect.value) > noise && !too_few) || (white && run.absorbed[c].value > 1e-12))
+    if ((std::abs(defect.value) > noise && !too_few) || (white && lost > 1e-12))
       verdict = FurnaceVerdict::fail;
     else if (unresolved > noise || too_few)
       verdict = FurnaceVerdict::inconclusive;

@@ -37,6 +37,7 @@ GroundTruth::GroundTruth(const Stack& stack, const Options& options, CellGrid gr
 
 const EstimatorChoice& GroundTruth::choice() {
   if (choice_) return *choice_;
+  catch_interrupts();
   choice_ = choose_estimator(stack_, options_, of_walks_);
   if (choice_->solution) {
     for (const std::string& option : options_.walk_options)

@@ -51,7 +51,11 @@ Json to_json(const Stack& stack) {
     layers.push_back(std::move(entry));
   }
   Json out{{"name", stack.name}, {"layer", std::move(layers)}};
-  if (stack.substrate)
+  if (stack.substrate && !stack.substrate->model.empty()) {
+    Json& substrate = out["substrate"] = {{"bsdf", stack.substrate->model}};
+    for (const auto& [key, value] : stack.substrate->parameters.all())
+      substrate[key] = to_json(value);
+  } else if (stack.substrate)
     out["substrate"] = {{"bsdf", "lambert"},
                         {"albedo", to_json(ParameterValue(stack.substrate->albedo))}};
   return out;

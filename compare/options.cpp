@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 
+#include "compare/surface_model.h"
 #include "phase/builtin_stacks.h"
 
 namespace lamella {
@@ -115,7 +116,8 @@ std::uint64_t parse_walks(const std::string& text) {
 }
 
 Stack stack_of(const Options& options) {
-  return load_stack(options.stack.empty() ? std::string(kDefaultStack) : options.stack);
+  return with_surface_model(
+      load_stack(options.stack.empty() ? std::string(kDefaultStack) : options.stack));
 }
 
 Isa isa_of(const Options& options) {

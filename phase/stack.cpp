@@ -26,7 +26,7 @@ bool Stack::has_grid() const {
 bool Stack::is_grey() const {
   return std::all_of(layers.begin(), layers.end(),
                      [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); }) &&
-         (!substrate || substrate->albedo.is_grey());
+         (!substrate || (substrate->albedo.is_grey() && !substrate->parameters.has_color()));
 }
 
 bool Stack::is_symmetric_about_z() const {
@@ -78,7 +78,12 @@ Stack whitened(Stack stack) {
     layer.f0 = Rgb(1);
     if (layer.parameters.has("f0")) layer.parameters.set("f0", Rgb(1));
   }
-  if (stack.substrate) stack.substrate->albedo = Rgb(1);
+  if (stack.substrate) {
+    stack.substrate->albedo = Rgb(1);
+    for (const char* key : {"albedo", "bulk_albedo", "f0"})
+      if (stack.substrate->parameters.has(key)) stack.substrate->parameters.set(key, Rgb(1));
+    stack.substrate->law = nullptr;
+  }
   return stack;
 }
 

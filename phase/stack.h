@@ -1,11 +1,14 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "phase/grain_geometry.h"
 #include "phase/medium.h"
+#include "phase/surface_law.h"
 
 namespace lamella {
 
@@ -37,9 +40,14 @@ struct Layer {
   [[nodiscard]] double depth() const { return thickness * density; }
 };
 
-/// An opaque surface below the last layer: Lambertian, or black at albedo 0.
+/// An opaque surface below the last layer: Lambertian, or black at albedo 0. Below micrograins it
+/// may reflect by a closed form instead.
 struct Substrate {
-  Rgb albedo{0};
+  Rgb albedo{0};            ///< of Lambert's law, in [0, 1]; without meaning where there is a model
+  std::string model{};      ///< name of a closed form, or empty
+  Parameters parameters{};  ///< its own, for echo
+  std::map<std::string, std::string, std::less<>> where{};  ///< of each key, for errors: "a.toml:7"
+  std::shared_ptr<const SurfaceLaw> law{};  ///< the model itself: compare/surface_model.h makes it
 };
 
 /// Layers from the top down, and what lies below.

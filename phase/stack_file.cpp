@@ -114,7 +114,7 @@ class Reader {
         fail(substrate->source(),
              "key \"substrate\": found a substrate below an infinite layer; allowed: a substrate "
              "below layers of finite thickness, or none");
-      stack.substrate = read_substrate(*table);
+      stack.substrate = read_substrate(*table, stack.grains() && !stack.grains()->is_bed());
     }
     // Micrograins are halves: there is always a plane that they stand on.
     if (stack.grains() && !stack.grains()->is_bed() && !stack.substrate)
@@ -322,14 +322,30 @@ class Reader {
     return layer;
   }
 
-  Substrate read_substrate(const toml::table& table) const {
+  // Below micrograins any closed form may stand, whose name and keys another room knows.
+  Substrate read_substrate(const toml::table& table, bool below_micrograins) const {
+    const auto name = table["bsdf"].value<std::string>();
+    if (below_micrograins && name && *name != "lambert" && *name != "black") {
+      Substrate substrate{.model = *name};
+      for (const auto& [key, node] : table) {
+        substrate.where.emplace(key.str(), fmt::format("{}:{}", file_, key.source().begin.line));
+        if (key == "bsdf") continue;
+        const auto value = to_value(node);
+        if (!value)
+          fail(node.source(), fmt::format("substrate: key \"{}\": found {}; allowed: a number, a "
+                                          "colour or a word",
+                                          key.str(), described(node)));
+        substrate.parameters.set(std::string(key.str()), *value);
+      }
+      return substrate;
+    }
     const bool has_albedo = table.contains("albedo");
     const Parameters p = read_keys(table, {kBsdf, kAlbedo}, {}, "substrate");
-    if (p.choice("bsdf") == "lambert") return {p.color("albedo")};
+    if (p.choice("bsdf") == "lambert") return {.albedo = p.color("albedo")};
     if (has_albedo && p.color("albedo").max() > 0)
       fail(table.get("albedo")->source(),
            "substrate: key \"albedo\": found a positive albedo of a black substrate; allowed: 0");
-    return {Rgb(0)};
+    return {};
   }
 
   std::string file_;
@@ -363,9 +379,14 @@ std::string to_toml(const Stack& stack) {
                           to_text(layer.grid->size_y), layer.grid->white ? "white" : "file");
     text += '\n';
   }
-  if (stack.substrate)
+  if (stack.substrate && !stack.substrate->model.empty()) {
+    text += fmt::format("[substrate]\nbsdf = \"{}\"\n", stack.substrate->model);
+    for (const auto& [key, value] : stack.substrate->parameters.all())
+      text += fmt::format("{} = {}\n", key, to_text(value));
+  } else if (stack.substrate) {
     text += fmt::format("[substrate]\nbsdf = \"lambert\"\nalbedo = {}\n",
                         to_text(ParameterValue(stack.substrate->albedo)));
+  }
   return text;
 }
 

@@ -38,6 +38,7 @@ struct Limits {
   std::size_t max_bytes;
   double seconds;  // left
   bool steep;
+  const std::atomic<bool>* stop;
 };
 
 // The modes end when four in a row stay below the tolerance at every probe.
@@ -58,6 +59,10 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
     }
     if (first > 0 && seconds_since(start) > limits.seconds) {
       ended = DeterministicLimit::time;
+      return result;
+    }
+    if (first > 0 && limits.stop && *limits.stop) {
+      ended = DeterministicLimit::interrupted;
       return result;
     }
     stack.prepare(first + count);
@@ -157,6 +162,8 @@ std::string to_text(DeterministicLimit limit) {
       return "time";
     case DeterministicLimit::memory:
       return "memory";
+    case DeterministicLimit::interrupted:
+      return "interrupted";
     default:
       return "";
   }
@@ -207,8 +214,9 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
       const int max_modes = std::min(options.max_modes, 16 * nodes + 24);
-      const Limits limits{options.tolerance / 10, max_modes, options.max_bytes,
-                          2 * options.max_seconds - seconds_since(start), solution.steep_};
+      const Limits limits{options.tolerance / 10, max_modes,
+                          options.max_bytes,      2 * options.max_seconds - seconds_since(start),
+                          solution.steep_,        options.stop};
       ProbeModes fine = solve_probes(modes, split ? &*split : nullptr, parts, limits, this_ended);
       if (this_ended != DeterministicLimit::none) ended = this_ended;
       const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,17 +15,18 @@ namespace lamella {
 struct DeterministicOptions {
   double tolerance = 1e-6;  ///< of f, relative to its mean over the azimuth
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
-  int max_nodes = 128;
+  int max_nodes = 256;
   int max_modes = 1024;     ///< azimuthal modes
   double max_seconds = 60;  ///< a finer solution is not begun where it would end later, and is cut
                             ///< short at twice that
   std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables
+  const std::atomic<bool>* stop = nullptr;  ///< once set, refinement ends with what was reached
 };
 
 /// What ended the refinement.
-enum class DeterministicLimit { none, nodes, modes, time, memory };
+enum class DeterministicLimit { none, nodes, modes, time, memory, interrupted };
 
-/// "nodes", "modes", "time" or "memory"; empty where the tolerance was reached.
+/// "nodes", "modes", "time", "memory" or "interrupted"; empty where the tolerance was reached.
 [[nodiscard]] std::string to_text(DeterministicLimit limit);
 
 /// What a solution cost and how far it got.

@@ -78,7 +78,11 @@ class Walker {
   [[nodiscard]] bool survives(const Weights& kept, RandomStream& stream);
   void begin_targets(std::uint64_t index);
   void score(const DiffuseEvent& event, const Weights& kept);
+  /// The same for light that the substrate's law sends up.
+  void score_law(Direction point);
   void leave(Direction wo, bool after_mirror);
+  /// The event at the substrate; false if the walk ends there.
+  [[nodiscard]] bool reflect(const GrainHit& hit, RandomStream& stream);
   /// The event at a grain; false if the walk ends there.
   [[nodiscard]] bool scatter(const GrainHit& hit, RandomStream& stream);
 
@@ -158,6 +162,21 @@ void Walker<C>::score(const DiffuseEvent& event, const Weights& kept) {
 }
 
 template <int C>
+void Walker<C>::score_law(Direction point) {
+  if (scores_ != GrainScores::next_event && scores_ != GrainScores::points) return;
+  const std::size_t count = directions_.size();
+  double* sums = tally_.f.data() + order_slot(order_) * C * count;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Direction wo = turned(directions_[k], cosine_, sine_);
+    if (wo.z <= 0) continue;
+    const Rgb f = s_.substrate_law->eval(wi_, wo);
+    if (f.max() <= 0 || !scene_->is_free(point, wo)) continue;
+    checksum_ += f.max();
+    for (int c = 0; c < C; ++c) sums[c * count + k] += weight_[c] * f[c];
+  }
+}
+
+template <int C>
 void Walker<C>::leave(Direction wo, bool after_mirror) {
   // Next-event estimation has counted all light but what a mirror sent out.
   if (scores_ == GrainScores::analog || (scores_ == GrainScores::next_event && after_mirror))
@@ -189,6 +208,28 @@ bool Walker<C>::scatter(const GrainHit& hit, RandomStream& stream) {
   }
   if (!survives(kept, stream)) return false;
   wi_ = -(after_mirror_ ? mirrored(wi_, hit.normal) : event.sample(stream));
+  return true;
+}
+
+template <int C>
+bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
+  Weights kept;
+  after_mirror_ = false;
+  if (!s_.substrate_law) {
+    for (int c = 0; c < C; ++c) kept[c] = s_.substrate_albedo[c];
+    const DiffuseEvent event{hit.point, hit.normal};
+    score(event, kept);
+    if (!survives(kept, stream)) return false;
+    wi_ = -event.sample(stream);
+    return true;
+  }
+  score_law(hit.point);
+  const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
+  const auto sample = s_.substrate_law->sample(wi_, u1, u2, u3);
+  for (int c = 0; c < C; ++c) kept[c] = sample ? sample->weight[c] : 0;
+  if (!survives(kept, stream)) return false;
+  if (!sample) return false;
+  wi_ = -sample->wo;
   return true;
 }
 
@@ -226,13 +267,7 @@ void Walker<C>::walk(std::uint64_t index) {
     }
     ++order_;
     if (hit.end == RayEnd::down) {
-      Weights kept;
-      for (int c = 0; c < C; ++c) kept[c] = s_.substrate_albedo[c];
-      const DiffuseEvent event{hit.point, hit.normal};
-      after_mirror_ = false;
-      score(event, kept);
-      if (!survives(kept, stream)) break;
-      wi_ = -event.sample(stream);
+      if (!reflect(hit, stream)) break;
     } else {
       ++tally_.collisions;
       if (!scatter(hit, stream)) break;
@@ -254,9 +289,12 @@ GrainSetting::GrainSetting(const Stack& stack, Direction incident_, std::uint64_
       f0(stack.layers[0].f0),
       has_substrate(stack.substrate.has_value()),
       substrate_albedo(stack.substrate ? stack.substrate->albedo : Rgb(0)),
+      substrate_law(stack.substrate ? stack.substrate->law : nullptr),
       incident(incident_),
       seed(seed_),
       max_order(max_order_) {
+  if (stack.substrate && !stack.substrate->model.empty() && !substrate_law)
+    throw std::logic_error("the substrate's model has no law: see compare/surface_model.h");
   if (geometry.surface == GrainSurface::dielectric) {
     entering = 1 - mean_fresnel_reflectance(geometry.ior);
     // Light that comes from inside finds the surface 1 - entering / ior^2 reflecting.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "phase/stack.h"
@@ -25,6 +26,7 @@ struct GrainSetting {
   Rgb albedo, f0;
   bool has_substrate;
   Rgb substrate_albedo;
+  std::shared_ptr<const SurfaceLaw> substrate_law;  ///< where it is not Lambert's
   Direction incident;
   std::uint64_t seed, max_order;
   /// Of a dielectric grain: Lambertian reflectance of the light that enters, so that an albedo of 1

@@ -119,12 +119,13 @@ void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector
                    "standard errors come from the scatter across realisations; light enters over "
                    "the whole tile"});
   if (stack.substrate)
-    notes.push_back({"below",
-                     fmt::format("an opaque Lambertian plane at z = {:.6g} mm, no transmission "
-                                 "tallies",
-                                 grains.bottom()),
-                     grains.is_bed()
-                         ? "a substrate below the lowest spheres; its reflection counts "
+    notes.push_back(
+        {"below",
+         fmt::format("an opaque plane at z = {:.6g} mm that reflects by {}, no "
+                     "transmission tallies",
+                     grains.bottom(),
+                     stack.substrate->model.empty() ? "Lambert's law" : stack.substrate->model),
+         grains.is_bed() ? "a substrate below the lowest spheres; its reflection counts "
                            "as an order"
                          : "the plane that the grains stand on; its reflection counts "
                            "as an order"});

@@ -50,6 +50,7 @@ class Simulation {
   [[nodiscard]] const std::vector<BatchTally>& batches() const { return batches_; }
   [[nodiscard]] const CellTargets& targets() const { return targets_; }
   [[nodiscard]] Direction incident() const { return incident_; }
+  [[nodiscard]] const Stack& stack() const { return stack_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] Estimator estimator() const { return estimator_; }
   /// What the walks run on: the plan's, or scalar where it has no kernel for them.

@@ -17,7 +17,7 @@ namespace {
 using boost::math::quadrature::gauss_kronrod;
 using testing::make_model;
 
-const char* const kNames[] = {"lambert_sphere", "lambert_sphere_fast", "hapke_lambert_sphere",
+const char* const kSphereNames[] = {"lambert_sphere", "lambert_sphere_fast", "hapke_lambert_sphere",
                               "lambert_sphere_three_term", "lambert_sphere_three_term_pure"};
 
 struct Deviation {
@@ -48,7 +48,7 @@ Deviation deviation(const std::string& name) {
 }
 
 TEST(LambertSphereBrdf, IsReciprocalFiniteAndAddsUp) {
-  for (const char* name : kNames) {
+  for (const char* name : kSphereNames) {
     SCOPED_TRACE(name);
     const auto model = make_model(name, {{"albedo", Rgb(1, 0.5, 0.1)}});
     testing::expect_sane_values(*model, 2, true);
@@ -220,7 +220,7 @@ TEST(LambertSphereBrdf, SamplersFollowTheirPdf) {
 
 TEST(LambertSphereBrdf, AppliesToItsHalfSpaceOnly) {
   const std::string sphere = "[[layer]]\nmedium = \"lambert_sphere\"\nalbedo = 0.8\n";
-  for (const char* name : kNames) {
+  for (const char* name : kSphereNames) {
     const ModelInfo& info = *find_model(name);
     const auto p = info.applies_to(parse_stack(sphere + "thickness = inf\n", "", ""));
     ASSERT_TRUE(p) << name;

@@ -13,7 +13,7 @@ namespace {
 using boost::math::quadrature::gauss_kronrod;
 using testing::make_model;
 
-const char* const kNames[] = {"oren_nayar_full", "oren_nayar", "oren_nayar_footnote",
+const char* const kOrenNayarNames[] = {"oren_nayar_full", "oren_nayar", "oren_nayar_footnote",
                               "fujii_qualitative"};
 
 double term_integral(double mu, double (*term)(const ReflectionAngles&)) {
@@ -23,7 +23,7 @@ double term_integral(double mu, double (*term)(const ReflectionAngles&)) {
 }
 
 TEST(OrenNayar, IsReciprocalFiniteAndAddsUp) {
-  for (const char* name : kNames)
+  for (const char* name : kOrenNayarNames)
     for (const double sigma : {0.0, 0.2, 0.8, kPi / 2}) {
       SCOPED_TRACE(name);
       const auto model = make_model(name, {{"albedo", Rgb(1, 0.6, 0)}, {"sigma", sigma}});
@@ -35,7 +35,7 @@ TEST(OrenNayar, IsReciprocalFiniteAndAddsUp) {
 }
 
 TEST(OrenNayar, ZeroRoughnessIsLambert) {
-  for (const char* name : kNames) {
+  for (const char* name : kOrenNayarNames) {
     const auto model = make_model(name, {{"albedo", 0.7}, {"sigma", 0.0}});
     for (const Direction wo : testing::probe_directions())
       EXPECT_NEAR(model->eval(direction_from_degrees(50, 0), wo).r, 0.7 / kPi, 1e-16) << name;

@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kInfiniteFloat = std::numeric_limits<float>::infinity();
 
 ExrImage example() {
   ExrImage image{.width = 3, .height = 2};
@@ -104,7 +104,7 @@ TEST(ExrFile, IsASinglePartScanLineFileWithZip) {
 
 TEST(ExrFile, RefusesValuesThatAreNotFinite) {
   const TemporaryFolder folder;
-  for (const float bad : {kInfinity, -kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
+  for (const float bad : {kInfiniteFloat, -kInfiniteFloat, std::numeric_limits<float>::quiet_NaN()}) {
     ExrImage image = example();
     image.channels[1].second[4] = bad;
     const std::string message =
@@ -174,7 +174,7 @@ TEST(ExrValues, AreTheNearestFloats) {
 }
 
 TEST(ExrValues, RefuseWhatFloatsCannotHold) {
-  for (const double bad : {1e39, -1e39, static_cast<double>(kInfinity), std::nan("")})
+  for (const double bad : {1e39, -1e39, static_cast<double>(kInfiniteFloat), std::nan("")})
     EXPECT_THAT(message_of<OutputError>([&] {
                   (void)exr_values(std::vector<double>{1, bad});
                 }),

@@ -12,13 +12,13 @@
 namespace lamella {
 namespace {
 
-constexpr CellGrid kGrid{4, 8, false};
+constexpr CellGrid kFurnaceGrid{4, 8, false};
 constexpr double kLevel = 1e-3;
 
 FurnaceRun judged(const Stack& stack, Estimator estimator, std::uint64_t walks, bool white,
                   std::uint64_t seed = 1, std::uint64_t max_order = 1000, double level = kLevel) {
   Simulation simulation(stack, make_plan(stack, max_order), direction_from_degrees(60, 0),
-                        estimator, kGrid, seed);
+                        estimator, kFurnaceGrid, seed);
   simulation.advance(walks);
   return judge_furnace(reduce(simulation), &simulation, white, level);
 }
@@ -63,7 +63,7 @@ TEST(Furnace, FailsWhereAWhiteStackAbsorbs) {
 TEST(Furnace, FailsWhereTheEstimatorIsOffByThreePercent) {
   const Stack stack = whitened(load_stack("sggx_slab"));
   Simulation simulation(stack, make_plan(stack), direction_from_degrees(60, 0),
-                        Estimator::next_event, kGrid, 1);
+                        Estimator::next_event, kFurnaceGrid, 1);
   simulation.advance(50000);
   EXPECT_EQ(judge_furnace(reduce(simulation), &simulation, true, kLevel).verdict,
             FurnaceVerdict::pass);

@@ -56,6 +56,32 @@ class ExplicitGeometry(ProgramTest):
                 answer = self.json_of("furnace", stack, "--walks", "4000", "--wi", "60", "--quiet")
                 self.assertEqual(answer["verdict"], "pass")
 
+    def test_micrograins_stand_on_any_closed_form(self):
+        self.write("eon.toml", GRAINS.replace("albedo = 0.2", 'bsdf = "eon"\nroughness = 0.8\n'
+                                              "albedo = [0.7, 0.4, 0.2]"))
+        answer = self.json_of("compare", "eon.toml", "--walks", "4000", "--wi", "30", "--grid",
+                              "4x8", "--quiet", "-o", "eon")
+        self.assertEqual(answer["stack"]["substrate"]["bsdf"], "eon")
+        self.assertEqual(answer["stack"]["substrate"]["roughness"], 0.8)
+        [model] = [m for m in answer["models"] if m["name"] == "micrograin"]
+        self.assertEqual(model["parameters"]["bulk"], "eon")
+        self.assertEqual(model["parameters"]["bulk_roughness"], 0.8)
+        furnace = self.json_of("furnace", "eon.toml", "--walks", "4000", "--wi", "60", "--quiet")
+        self.assertEqual(furnace["verdict"], "pass")
+
+    def test_a_closed_form_that_is_none_is_an_error_that_says_where(self):
+        for name, below, words in (
+            ("unknown", 'bsdf = "eno"', ["broken.toml:9", '"bsdf"', '"eno"', "eon"]),
+            ("key", 'bsdf = "eon"\nroughnes = 1', ["broken.toml:10", '"roughnes"',
+                                                   'did you mean "roughness"?']),
+            ("value", 'bsdf = "eon"\nroughness = 2', ["broken.toml:10", '"roughness"', "found 2",
+                                                      "[0, 1]"])):
+            with self.subTest(name):
+                self.write("broken.toml", GRAINS.replace("albedo = 0.2", below))
+                answer = self.lamella("simulate", "broken.toml", status=2)
+                for word in words:
+                    self.assertIn(word, answer.err)
+
     def test_compare_judges_the_models_that_apply(self):
         answer = self.json_of("compare", "grains.toml", "--walks", "4000", "--wi", "30", "--grid",
                               "4x8", "--quiet")

@@ -17,6 +17,18 @@ class CtrlCKeepsWhatIsThere(ProgramTest):
         self.assertTrue((self.folder / "lobes.exr").exists())
         self.assertIn("interrupted", answer.err)
 
+    def test_a_solution(self):
+        # Finer and finer until it is told to end: no double holds this tolerance.
+        answer, seconds = self.interrupted("simulate", "hg_slab", "--estimator", "deterministic",
+                                           "--tolerance", "1e-18", "--time", "1e6", "--wi", "30",
+                                           "--grid", "4x8", "--json", "-")
+        self.assertEqual(answer.status, 0, str(answer))
+        self.assertLess(seconds, self.LIMIT)
+        parsed = answer.json()
+        check_schema("simulate", parsed)
+        self.assertTrue(parsed["interrupted"])
+        self.assertFalse(parsed["runs"][0]["accuracy"]["reached"])
+
     def test_compare(self):
         answer, seconds = self.interrupted("compare", "sggx_slab", "--walks", "1e12", "--json", "-",
                                            "--grid", "4x8", "--quiet")

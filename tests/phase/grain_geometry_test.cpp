@@ -12,11 +12,11 @@
 namespace lamella::testing {
 namespace {
 
-Stack parse(const std::string& text) { return parse_stack(text, "file.toml", "name"); }
+Stack parse_grains(const std::string& text) { return parse_stack(text, "file.toml", "name"); }
 
-std::string error_of(const std::string& text) {
+std::string grain_error_of(const std::string& text) {
   try {
-    (void)parse(text);
+    (void)parse_grains(text);
   } catch (const StackFileError& error) {
     return error.what();
   }
@@ -38,30 +38,31 @@ TEST(GrainGeometry, IsReadWithItsDefaultsAndSurvivesTheRoundTrip) {
            "[[layer]]\nmedium = 'packed_sphere_bed'\nradius = 1\npacking = 0.3\nthickness = 9\n",
            kMicrograins + "surface = 'dielectric'\n[substrate]\nalbedo = [0.1, 0.2, 0.3]",
            kMicrograins + "surface = 'conductor'\nf0 = [0.9, 0.6, 0.5]"}) {
-    const Stack stack = parse(text);
+    const Stack stack = parse_grains(text);
     ASSERT_TRUE(stack.grains());
-    const Stack again = parse(to_toml(stack));
+    const Stack again = parse_grains(to_toml(stack));
     EXPECT_EQ(to_toml(again), to_toml(stack));
     EXPECT_EQ(again.grains()->tile, stack.grains()->tile);
     EXPECT_FALSE(stack.is_half_space());
   }
-  const Stack stack = parse(kBed);
+  const Stack stack = parse_grains(kBed);
   EXPECT_EQ(stack.grains()->surface, GrainSurface::lambert);
   EXPECT_NEAR(stack.grains()->expected_count(), 20000, 1e-6);
   EXPECT_TRUE(stack.is_open_below());
-  EXPECT_FALSE(parse(kMicrograins).is_open_below()) << "micrograins stand on a black plane";
-  EXPECT_EQ(parse(kMicrograins).grains()->top(), 0.5);
+  EXPECT_FALSE(parse_grains(kMicrograins).is_open_below()) << "micrograins stand on a black plane";
+  EXPECT_EQ(parse_grains(kMicrograins).grains()->top(), 0.5);
   EXPECT_THROW((void)stack.uncollided({0, 0, 1}), std::invalid_argument);
 }
 
 TEST(GrainGeometry, MisuseIsNamedWithItsLineKeyAndWhatIsAllowed) {
   const std::string slab = "[[layer]]\nmedium = 'sggx'\nroughness = 1\nthickness = 1\n";
-  EXPECT_EQ(error_of(kBed + slab),
+  EXPECT_EQ(grain_error_of(kBed + slab),
             "file.toml:2: layer 0: key \"medium\": found \"sphere_bed\" among 2 layers; allowed: "
             "explicit geometry as the only layer, over a [substrate] or none");
-  EXPECT_NE(error_of(slab + kBed).find("file.toml:6: layer 1: key \"medium\""), std::string::npos);
+  EXPECT_NE(grain_error_of(slab + kBed).find("file.toml:6: layer 1: key \"medium\""),
+            std::string::npos);
   const auto expect = [](const std::string& text, const std::string& part) {
-    EXPECT_NE(error_of(text).find(part), std::string::npos) << error_of(text);
+    EXPECT_NE(grain_error_of(text).find(part), std::string::npos) << grain_error_of(text);
   };
   expect(kBed + "density = 2\n", "file.toml:6: key \"density\": unknown in layer 0");
   expect(kBed + "f0 = 0.5\n", "file.toml:6: layer 0: key \"f0\": found 0.5; allowed: nothing");

@@ -7,7 +7,6 @@
 namespace lamella::testing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Direction kUp{0, 0, 1};
 const Direction kFiber = normalized(Direction{1, 0.2, 0.3});
 

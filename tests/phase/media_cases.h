@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -8,6 +9,8 @@
 #include "tests/statistics/statistics.h"
 
 namespace lamella::testing {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A medium at one setting, and what the tests need to know of its lobes.
 struct MediumCase {

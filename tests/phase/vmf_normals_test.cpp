@@ -9,8 +9,6 @@
 namespace lamella::testing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // D(m) <w, m> / sigma(w), in log space: at the far back both underflow.
 std::function<double(Direction)> visible_density(const Vmf& ndf, Direction wi) {
   const double log_sigma = log_vmf_sigma(dot(wi, ndf.axis()), ndf.alpha());

@@ -14,8 +14,6 @@
 namespace lamella::testing {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 TEST(Vmf, SigmaMatchesAHighPrecisionQuadrature) {
   double worst = 0, worst_log = 0;
   for (const double alpha : {1e-6, 0.01, 0.05, 0.3, 1.0, 3.0, 30.0, 1e4})

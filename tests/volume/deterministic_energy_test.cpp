@@ -10,8 +10,6 @@
 namespace lamella {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 const std::vector<std::string>& media_under_test() {
   static const std::vector<std::string> list{kIsotropic,
                                              kSphere,

@@ -14,8 +14,6 @@
 namespace lamella {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 std::vector<RunResult> runs_of(const Stack& stack, const std::vector<Direction>& incident,
                                CellGrid grid, double tolerance) {
   return deterministic_runs(solve_deterministic(stack, {.tolerance = 0.7 * tolerance}),

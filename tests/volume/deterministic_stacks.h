@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <string>
 
 #include "phase/stack_file.h"
 
 namespace lamella {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 inline Stack stack_of(const std::string& toml) { return parse_stack(toml, "test", "test"); }
 

@@ -14,8 +14,6 @@
 namespace lamella {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 bool is_soak() { return std::getenv("LAMELLA_SOAK") != nullptr; }
 
 DeterministicSolution solved(const std::string& toml, double tolerance = 1e-7) {

@@ -12,7 +12,7 @@
 namespace lamella::testing {
 namespace {
 
-GrainGeometry bed(double packing) {
+GrainGeometry bed_of(double packing) {
   return {.placement = GrainPlacement::sphere_bed,
           .radius = 0.25,
           .packing = packing,
@@ -47,7 +47,7 @@ double distance_by_trying_all(const GrainGeometry& g, const std::vector<Directio
 
 TEST(GrainScene, MeetsWhatTryingEveryGrainOfEveryPeriodMeets) {
   int grains = 0;
-  for (const GrainGeometry& g : {bed(0.15), micrograins(0.3, 0.4)}) {
+  for (const GrainGeometry& g : {bed_of(0.15), micrograins(0.3, 0.4)}) {
     const auto centres = place_grains(g, 4, 0);
     const GrainScene scene(g, centres);
     RandomStream stream(2, 0, StreamPurpose::test);
@@ -77,7 +77,7 @@ TEST(GrainScene, MeetsWhatTryingEveryGrainOfEveryPeriodMeets) {
 
 TEST(GrainScene, NothingThatLeavesAGrainMeetsItAgainAndNoRayGetsIn) {
   // Dense and overlapping: many hits near the edges between grains.
-  for (const GrainGeometry& g : {bed(3), micrograins(0.95, 0.1), micrograins(0.95, 1)}) {
+  for (const GrainGeometry& g : {bed_of(3), micrograins(0.95, 0.1), micrograins(0.95, 1)}) {
     const GrainScene scene(g, place_grains(g, 1, 0));
     RandomStream stream(3, 0, StreamPurpose::test);
     int inside = 0, hits = 0;
@@ -104,7 +104,7 @@ TEST(GrainScene, NothingThatLeavesAGrainMeetsItAgainAndNoRayGetsIn) {
 }
 
 TEST(GrainScene, FillsTheShareOfSpaceThatPoissonSpheresFill) {
-  const GrainGeometry g = bed(0.7);
+  const GrainGeometry g = bed_of(0.7);
   std::vector<double> shares;
   for (int k = 0; k < 200; ++k) {
     const GrainScene scene(g, place_grains(g, 9, k));

@@ -147,6 +147,79 @@ TEST(GrainWalk, ColouredWeightsCarryTheGreyAnswersOfTheirChannels) {
   }
 }
 
+// f = s (mu_i mu_o)^k / pi, sampled uniformly: as little like the cosine law as a sampler may be.
+struct PowerLaw : SurfaceLaw {
+  PowerLaw(double s, double k) : scale(s), power(k) {}
+  [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override {
+    return Rgb(scale * std::pow(wi.z * wo.z, power) / kPi);
+  }
+  [[nodiscard]] std::optional<Sample> sample(Direction wi, double u1, double u2,
+                                             double) const override {
+    const Direction wo = direction_from_mu_phi(u1, 2 * kPi * u2);
+    return Sample{wo, (2 * kPi * wo.z) * eval(wi, wo)};
+  }
+  double scale, power;
+};
+
+Stack over_law(const Stack& grains, double scale, double power) {
+  Stack stack = grains;
+  stack.substrate = Substrate{.model = "power", .law = std::make_shared<PowerLaw>(scale, power)};
+  return stack;
+}
+
+TEST(GrainWalk, ALambertianLawGivesWhatTheLambertianPlaneGives) {
+  const Stack plane = micrograins("", "[substrate]\nalbedo = 0.7\n");
+  const Direction wi = direction_from_degrees(50, 0);
+  const RunResult one = simulate(plane, wi, Estimator::next_event, 40960);
+  const RunResult other = simulate(over_law(plane, 0.7, 0), wi, Estimator::next_event, 40960);
+  for (int order = 0; order < kTallyOrders; ++order)
+    EXPECT_LT(std::abs(z_between(one.reflected.orders[order][0], other.reflected.orders[order][0])),
+              allowed_z())
+        << order;
+}
+
+TEST(GrainWalk, ASurfaceWithoutGrainsIsItsLaw) {
+  const double scale = 1.2, power = 0.5;
+  const Stack bare =
+      over_law(stack_from(layer("medium = 'micrograins'\ntau0 = 0\nbeta = 0.6\n")), scale, power);
+  const double mu = 0.6;
+  const Direction wi = direction_from_mu_phi(mu, 0);
+  const double albedo = 2 * scale * std::pow(mu, power) / (power + 2);
+  for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+    const RunResult run = simulate(bare, wi, estimator, 40960);
+    const Estimate energy = run.reflected.orders[0][0];
+    EXPECT_LT(std::abs(energy.value - albedo), allowed_z() * energy.standard_error);
+    EXPECT_GT(energy.standard_error, 0);
+    // The cells hold the same light.
+    double cells = 0, error = 0;
+    for (std::size_t k = 0; k < run.reflected.lobes[0].value.size(); ++k) {
+      cells += run.grid.projected_solid_angle() * run.reflected.lobes[0].value[k];
+      error += run.grid.projected_solid_angle() * run.reflected.lobes[0].standard_error[k];
+    }
+    EXPECT_LT(std::abs(cells - albedo), allowed_z() * error) << to_text(estimator);
+  }
+}
+
+TEST(GrainWalk, BothEstimatorsAgreeOnGrainsOverALaw) {
+  const Stack stack = over_law(micrograins(""), 1.2, 0.5);
+  const Direction wi = direction_from_degrees(40, 0);
+  const RunResult analog = simulate(stack, wi, Estimator::analog, 81920);
+  const RunResult next_event = simulate(stack, wi, Estimator::next_event, 20480);
+  const LobeEstimate &a = analog.reflected.lobes[kTallyOrders],
+                     &b = next_event.reflected.lobes[kTallyOrders];
+  for (std::size_t k = 0; k < a.value.size(); ++k)
+    EXPECT_LT(
+        std::abs(z_between({a.value[k], a.standard_error[k]}, {b.value[k], b.standard_error[k]})),
+        allowed_z())
+        << k;
+}
+
+TEST(GrainWalk, AModelWithoutItsLawIsADefect) {
+  Stack stack = micrograins("");
+  stack.substrate = Substrate{.model = "eon"};
+  EXPECT_THROW(simulate(stack, {0, 0, 1}, Estimator::analog, 128), std::logic_error);
+}
+
 std::vector<double> sums_with_threads(int threads, const std::vector<std::uint64_t>& checkpoints) {
   const Stack stack = bed(0.5, "albedo = 0.8\n");
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);

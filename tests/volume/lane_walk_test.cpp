@@ -67,13 +67,13 @@ const std::vector<Case>& cases() {
   return list;
 }
 
-constexpr std::uint64_t kWalks = 60000;
+constexpr std::uint64_t kLaneWalks = 60000;
 
 std::unique_ptr<Simulation> on_cells(const Case& c, Isa isa, std::uint64_t seed) {
   const Stack stack = stack_from(layer(c.keys));
   auto simulation = std::make_unique<Simulation>(stack, plan_for(stack, isa), c.wi,
                                                  Estimator::analog, CellGrid{3, 4, false}, seed);
-  simulation->advance(testing::soaked(kWalks));
+  simulation->advance(testing::soaked(kLaneWalks));
   return simulation;
 }
 
@@ -86,7 +86,7 @@ std::vector<Direction> some_points(int count, bool below) {
 }
 
 std::unique_ptr<Simulation> on_points(const Case& c, Isa isa, std::uint64_t seed, int count,
-                                      std::uint64_t walks = kWalks / 4) {
+                                      std::uint64_t walks = kLaneWalks / 4) {
   const Stack stack = stack_from(layer(c.keys));
   auto simulation = std::make_unique<Simulation>(stack, plan_for(stack, isa), c.wi,
                                                  some_points(count, stack.is_open_below()), seed);
@@ -112,7 +112,7 @@ TEST_P(LaneWalk, EnergiesAndCellsAgreeWithTheScalarKernel) {
     EXPECT_NEAR(ledger_sum(a, 0), 1, 1e-12) << what;
     const auto agree = [&](Estimate x, Estimate y, const char* which) {
       // Too few walks for a normal error on either side: none to compare.
-      if (x.value * kWalks < 30 || y.value * kWalks < 30) return;
+      if (x.value * kLaneWalks < 30 || y.value * kLaneWalks < 30) return;
       EXPECT_LT(std::abs(z_between(x, y)), allowed_z())
           << what << ' ' << which << ' ' << x.value << ' ' << y.value;
     };

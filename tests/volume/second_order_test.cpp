@@ -15,8 +15,6 @@ namespace {
 
 using Rule = boost::math::quadrature::gauss_kronrod<double, 31>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 TEST(DepthIntegrals, AgreeWithQuadrature) {
   const double rates[] = {0, 1e-9, 0.3, 0.3 + 1e-8, 7, 40};
   for (const double depth : {1e-3, 1.7})

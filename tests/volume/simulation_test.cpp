@@ -9,7 +9,7 @@
 namespace lamella {
 namespace {
 
-std::vector<double> all_sums(const Simulation& simulation) {
+std::vector<double> scalar_sums(const Simulation& simulation) {
   std::vector<double> sums;
   for (const BatchTally& b : simulation.batches()) {
     sums.insert(sums.end(), b.f.begin(), b.f.end());
@@ -28,7 +28,7 @@ std::vector<double> sums_with_threads(int threads, Estimator estimator,
     Simulation simulation(stack, make_plan(stack), direction_from_degrees(60, 30), estimator,
                           CellGrid{4, 8, false}, 7);
     for (const std::uint64_t walks : checkpoints) simulation.advance(walks);
-    return all_sums(simulation);
+    return scalar_sums(simulation);
   });
 }
 

@@ -254,16 +254,16 @@ std::array<double, 4> null_collision_energies(double roughness, double depth, Di
 }
 
 TEST(WalkPhysics, VisibleNormalsAgreeWithNullCollisions) {
-  const int kWalks = static_cast<int>(testing::soaked(200000));
+  const int walks = static_cast<int>(testing::soaked(200000));
   for (const double r : {0.2, 0.5, 0.9}) {
     const Direction wi = direction_from_degrees(65, 0);
-    const auto expected = null_collision_energies(r, 2, wi, kWalks);
+    const auto expected = null_collision_energies(r, 2, wi, walks);
     const Stack stack =
         stack_from(layer("medium = 'vmf_flake'\nthickness = 2\nroughness = " + std::to_string(r)));
-    const auto s = analog(stack, wi, kWalks);
+    const auto s = analog(stack, wi, walks);
     for (int o = 0; o < kTallyOrders; ++o) {
       const double p = expected[o];
-      const Estimate other{p, std::sqrt(p * (1 - p) / kWalks)};
+      const Estimate other{p, std::sqrt(p * (1 - p) / walks)};
       EXPECT_LT(std::abs(z_between(energy(*s, true, o), other)), allowed_z()) << r << ' ' << o;
     }
   }
