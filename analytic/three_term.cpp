@@ -140,12 +140,13 @@ void ThreeTermHalfSpace::solve_mode_0() {
 
 // 4 pi (x + y) f1 = -2 sin sin Q_1 H_1 H_1 with Q_1 = w1/2 q_1 q_1 - 3 w2/2 q_2 q_2, q_1(0) = 1,
 // q_2(0) = 0, so Q_1 = w1/2 (1 + l (x + y) + n x y); n from Q_1(x, -x) (1 - x^2) = 2 Psi_1(x), and
-// l = the slope of q_1 = w1/4 * integral of (l + n x) (1 - x^2) H_1.
+// l = the slope of q_1 = w1/4 * integral of (l + n x) (1 - x^2) H_1. What is kept is w1 l and w1 n,
+// which are finite at w1 = 0.
 void ThreeTermHalfSpace::solve_mode_1() {
-  if (w_[1] == 0) return;
-  n_ = -w_[2] * (3 - w_[1]) / w_[1];
+  if (w_[1] == 0 && w_[2] == 0) return;
+  w1_n_ = -w_[2] * (3 - w_[1]);
   const double m0 = h_[1].moment(0) - h_[1].moment(2), m1 = h_[1].moment(1) - h_[1].moment(3);
-  l_ = w_[1] / 4 * n_ * m1 / (1 - w_[1] / 4 * m0);
+  w1_l_ = w_[1] / 4 * w1_n_ * m1 / (1 - w_[1] / 4 * m0);
 }
 
 double ThreeTermHalfSpace::mode(int m, double x, double y) const {
@@ -157,7 +158,7 @@ double ThreeTermHalfSpace::mode(int m, double x, double y) const {
     return common * (a + (b + d * product) * sum + (c + e * product) * product +
                      f * (sum * sum - 2 * product));
   }
-  if (m == 1) return -common * w_[1] * std::sqrt(s2) * (1 + l_ * (x + y) + n_ * x * y);
+  if (m == 1) return -common * std::sqrt(s2) * (w_[1] + w1_l_ * (x + y) + w1_n_ * x * y);
   return common * 0.75 * w_[2] * s2;
 }
 

@@ -38,9 +38,10 @@ class ThreeTermHalfSpace {
 
   /// A, B, C, D, E, F above: twice those of d'Eon's eq. 36.
   [[nodiscard]] const std::array<double, 6>& mode_0_constants() const { return mode_0_; }
-  /// The polynomial 1 + l (x + y) + n x y of f1 = -w1 H_1 H_1 sin sin / (4 pi (x + y)) times it.
-  [[nodiscard]] double l() const { return l_; }
-  [[nodiscard]] double n() const { return n_; }
+  /// The polynomial 1 + l (x + y) + n x y of f1 = -w1 H_1 H_1 sin sin / (4 pi (x + y)) times it,
+  /// for w1 != 0.
+  [[nodiscard]] double l() const { return w1_l_ / w_[1]; }
+  [[nodiscard]] double n() const { return w1_n_ / w_[1]; }
   /// H_0, H_1, H_2.
   [[nodiscard]] const HFunction& h(int m) const { return h_[m]; }
 
@@ -52,7 +53,7 @@ class ThreeTermHalfSpace {
   std::array<HFunction, 3> h_;
   std::array<double, 6> mode_0_{};
   std::array<double, 2> flux_{};  // q_1(mu) = flux[0] mu + flux[1] mu^2
-  double l_ = 0, n_ = 0;
+  double w1_l_ = 0, w1_n_ = 0;
 };
 
 /// The Fourier coefficient of cos(m phi), m = 0, 1, 2, of p at cos Theta = x y + sqrt(1 - x^2)

@@ -11,20 +11,28 @@ namespace lamella {
 namespace {
 
 TEST(ThreeTerm, EqualsTheSumOverScatteringOrders) {
-  const double albedo = 0.6;
-  const ThreeTermPhase w = lambert_sphere_phase_terms(albedo);
-  const ThreeTermHalfSpace exact(w);
-  for (int m = 0; m < 3; ++m) {
-    const testing::SuccessiveOrders orders(testing::three_term_kernel(w), m, 45);
-    double worst = 0;
-    const int n = static_cast<int>(orders.nodes().size());
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        worst = std::max(
-            worst,
-            std::abs(orders.sum(i, j) / exact.mode(m, orders.nodes()[i], orders.nodes()[j]) - 1));
-    EXPECT_LT(worst, 1e-7) << m;  // the error of the quadrature with 24 nodes
+  // The second one has no first Legendre term, but a first mode.
+  for (const ThreeTermPhase& w : {lambert_sphere_phase_terms(0.6), ThreeTermPhase{0.6, 0, 0.3}}) {
+    const ThreeTermHalfSpace exact(w);
+    for (int m = 0; m < 3; ++m) {
+      const testing::SuccessiveOrders orders(testing::three_term_kernel(w), m, 45);
+      double worst = 0;
+      const int n = static_cast<int>(orders.nodes().size());
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+          worst = std::max(
+              worst,
+              std::abs(orders.sum(i, j) / exact.mode(m, orders.nodes()[i], orders.nodes()[j]) - 1));
+      EXPECT_LT(worst, 1e-7) << w[1] << ' ' << m;  // the error of the quadrature with 24 nodes
+    }
   }
+}
+
+TEST(ThreeTerm, FirstModeIsContinuousWhereTheFirstLegendreTermVanishes) {
+  const double at_0 = ThreeTermHalfSpace({0.6, 0, 0.3}).mode(1, 0.4, 0.7);
+  EXPECT_NEAR(at_0, 0.01228, 5e-6);
+  for (const double w1 : {1e-9, -1e-9})
+    EXPECT_NEAR(ThreeTermHalfSpace({0.6, w1, 0.3}).mode(1, 0.4, 0.7), at_0, 1e-10);
 }
 
 TEST(ThreeTerm, SolvesTheNonlinearEquationOfInvariance) {
