@@ -79,7 +79,8 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// Cost per value of the reflected lobe against its error, on the stacks of the walk rows: each
-/// estimator at growing numbers of walks, and the closed forms that apply; one thread.
+/// estimator of walks at growing numbers of them, the solver at falling tolerances, and the closed
+/// forms that apply; one thread.
 void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// The solver: seconds and memory against digits reached, all cells of a grid, growth of the cost

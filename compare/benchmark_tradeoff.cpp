@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "compare/benchmark.h"
-#include "compare/comparison.h"
-#include "compare/model_request.h"
+#include "compare/ground_truth.h"
 #include "phase/builtin_stacks.h"
+#include "volume/deterministic_run.h"
 
 namespace lamella {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 // own curves.
 constexpr int kTruthFactor = 4;
 constexpr int kFewestWalksPerBatch = 32;
+// Of the solver as truth; the quadrature over cells has the rest of the tolerance.
+constexpr double kTruthTolerance = 1e-5, kSolverShare = 0.5;
 
 double nanoseconds(double seconds, int cells) { return seconds * 1e9 / cells; }
 
@@ -63,33 +66,82 @@ void measure_estimator(const Stack& stack, Estimator estimator, double seconds, 
   }
 }
 
-// The closed forms that claim the stack, against a long walk. With e the relative RMSE without
-// noise, s the relative noise and N cells of independent noise, the mean squared difference has the
-// variance (4 e^2 s^2 + 2 s^4) / N.
-void measure_closed_forms(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t seed,
-                          const ReportRow& report) {
-  Simulation truth(stack, make_plan(stack), benchmark_incident(), Estimator::analog, CellGrid{},
-                   seed + 1);
+// The solver at ever smaller tolerances. Its error is a bound: the truth is within it.
+void measure_solver(const Stack& stack, double seconds, const ReportRow& report) {
+  if (why_not_deterministic(stack)) return;
+  const Plan plan = make_plan(stack);
+  const Direction incident[] = {benchmark_incident()};
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    std::vector<RunResult> runs;
+    const double taken = seconds_of([&] {
+      const DeterministicSolution solution = solve_deterministic(
+          stack, {.tolerance = kSolverShare * tolerance, .max_seconds = seconds});
+      runs = deterministic_runs(solution, plan, incident, CellGrid{}, tolerance);
+    });
+    const RunResult& run = runs.front();
+    const double error = noise_of(run.reflected.lobes[kTallyOrders]);
+    if (error == 0) continue;
+    BenchmarkRow row = row_of(stack.name, to_text(Estimator::deterministic), "deterministic",
+                              nanoseconds(taken, run.grid.cells()), error);
+    row.seconds = taken;
+    row.what += fmt::format("/{:g}", tolerance);
+    row.extra["tolerance"] = tolerance;
+    row.extra["bound"] = true;
+    row.extra["reached"] = run.accuracy->reached;
+    report(std::move(row));
+    // What the time did not allow is not to be had at a smaller tolerance.
+    if (!run.accuracy->reached) return;
+  }
+}
+
+// What closed forms are judged by: the solver where it is exact soon enough, else a long walk.
+Truth truth_of(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t seed) {
+  const Plan plan = make_plan(stack);
+  Truth truth;
+  if (!why_not_deterministic(stack)) {
+    const Direction incident[] = {benchmark_incident()};
+    const DeterministicSolution solution =
+        solve_deterministic(stack, {.tolerance = kSolverShare * kTruthTolerance,
+                                    .max_seconds = kTruthFactor * effort.accuracy_seconds});
+    truth.run = deterministic_runs(solution, plan, incident, CellGrid{}, kTruthTolerance).front();
+    if (truth.run.accuracy->reached) return truth;
+  }
+  truth.batches = std::make_unique<Simulation>(stack, plan, benchmark_incident(), Estimator::analog,
+                                               CellGrid{}, seed + 1);
   double taken = 0;
   for (std::uint64_t walks = kFewestWalksPerBatch * kBatches;
        taken < kTruthFactor * effort.accuracy_seconds; walks *= 2)
-    taken += seconds_of([&] { truth.advance(walks); });
-  const RunResult run = reduce(truth);
+    taken += seconds_of([&] { truth.batches->advance(walks); });
+  truth.run = reduce(*truth.batches);
+  return truth;
+}
+
+// Ends of the interval that holds a closed form's error. Against walks: with e the relative RMSE
+// without noise, s the relative noise and N cells of independent noise, the mean squared difference
+// has the variance (4 e^2 s^2 + 2 s^4) / N. Against a bounded truth no more than the bound and the
+// projection add.
+std::pair<double, double> error_interval(const LobeComparison& l, double s) {
+  const double e = l.relative_rmse_without_noise;
+  if (l.bounded) return {std::max(0.0, e - s - kProjectionTolerance), e + s + kProjectionTolerance};
+  const double cells = static_cast<double>(l.truth.size());
+  const double margin = 2 * std::sqrt((4 * e * e * s * s + 2 * s * s * s * s) / cells);
+  return {std::sqrt(std::max(0.0, e * e - margin)), std::sqrt(e * e + margin)};
+}
+
+// The closed forms that claim the stack.
+void measure_closed_forms(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t seed,
+                          const ReportRow& report) {
+  const Truth truth = truth_of(stack, effort, seed);
   for (const BoundModel& bound : models_for(Options{}, stack)) {
-    const ProjectedLobes projected =
-        project(*bound.model, *bound.info, benchmark_incident(), run.grid, true, run.channels);
-    for (const LobeComparison& l : compare(run, &truth, projected, true)) {
-      if (l.order != Order::all) continue;
+    for (const LobeComparison& l : judge(truth, make_plan(stack), bound)) {
+      if (l.order != Order::all || !l.reflected) continue;
       std::vector<double> times;
       for (int k = 0; k < effort.repetitions; ++k)
         times.push_back(nanoseconds_per_eval(*bound.model));
       std::sort(times.begin(), times.end());
-      const double e = l.relative_rmse_without_noise,
-                   s = noise_of(run.reflected.lobes[kTallyOrders]);
-      const double cells = static_cast<double>(l.truth.size());
-      const double margin = 2 * std::sqrt((4 * e * e * s * s + 2 * s * s * s * s) / cells);
+      const auto [low, high] = error_interval(l, noise_of(truth.run.reflected.lobes[kTallyOrders]));
+      const double e = l.relative_rmse_without_noise;
       // Below the noise only the upper end is known.
-      const double high = std::sqrt(e * e + margin), low = std::sqrt(std::max(0.0, e * e - margin));
       BenchmarkRow row = row_of(stack.name, bound.info->name, "closed_form",
                                 times[times.size() / 2], e > 0 ? e : high);
       row.extra["error_low"] = low;
@@ -110,6 +162,7 @@ void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const R
     one.execute([&] {
       for (const Estimator estimator : {Estimator::analog, Estimator::next_event})
         measure_estimator(stack, estimator, effort.accuracy_seconds, seed, report);
+      measure_solver(stack, kTruthFactor * effort.accuracy_seconds, report);
       measure_closed_forms(stack, effort, seed, report);
     });
   }

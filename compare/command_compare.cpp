@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/command.h"
@@ -9,6 +10,7 @@
 #include "compare/lobe_files.h"
 #include "compare/model_request.h"
 #include "compare/output_folder.h"
+#include "compare/preview_views.h"
 #include "compare/report_page.h"
 #include "compare/side_by_side.h"
 
@@ -18,9 +20,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct JudgedModel {
-  BoundModel bound;
+  const BoundModel* bound = nullptr;
+  std::string name;  // of its files
   double nanoseconds = 0;
-  std::vector<LobeComparison> lobes;
+  std::vector<LobeComparison> lobes{};
 };
 
 Json channel_list(const std::vector<double>& values) {
@@ -60,16 +63,23 @@ double mean(const std::vector<double>& values) {
   return sum;
 }
 
+// Those that are not at their defaults.
+std::vector<std::pair<std::string, ParameterValue>> told_parameters(const BoundModel& model) {
+  std::vector<std::pair<std::string, ParameterValue>> list;
+  for (const auto& [key, value] : model.parameters.all()) {
+    const ParameterInfo* info = find(model.info->parameters, key);
+    if (!info || info->default_value.empty() || parse_value(*info, info->default_value) != value)
+      list.emplace_back(key, value);
+  }
+  return list;
+}
+
 std::string table(const std::vector<JudgedModel>& models) {
   std::string text;
   for (const JudgedModel& m : models) {
-    text += fmt::format("\n{}", m.bound.info->name);
-    // What is at its default says nothing.
-    for (const auto& [key, value] : m.bound.parameters.all()) {
-      const ParameterInfo* info = find(m.bound.info->parameters, key);
-      if (!info || info->default_value.empty() || parse_value(*info, info->default_value) != value)
-        text += fmt::format(", {} = {}", key, to_text(value));
-    }
+    text += "\n" + m.bound->info->name;
+    for (const auto& [key, value] : told_parameters(*m.bound))
+      text += fmt::format(", {} = {}", key, to_text(value));
     text += fmt::format(" ({:.0f} ns per evaluation)\n", m.nanoseconds);
     text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>9} {:>9} {:>9}  {}\n",
                         "theta_i", "side", "order", "energy truth", "+-", "energy model",
@@ -106,32 +116,79 @@ Json to_json(const std::vector<SideBySide>& rows) {
   return list;
 }
 
+Json models_json(const std::vector<JudgedModel>& models) {
+  Json list = Json::array();
+  for (const JudgedModel& m : models) {
+    Json lobes = Json::array(), parameters = Json::object();
+    for (const LobeComparison& l : m.lobes) lobes.push_back(to_json(l));
+    for (const auto& [key, value] : m.bound->parameters.all()) parameters[key] = to_json(value);
+    list.push_back({{"name", m.bound->info->name},
+                    {"parameters", std::move(parameters)},
+                    {"ns_per_eval", m.nanoseconds},
+                    {"lobes", std::move(lobes)}});
+  }
+  return list;
+}
+
+// Whether a model's noise-free relative RMSE over all orders is beyond --max-error.
+bool is_too_far(const std::vector<JudgedModel>& models, const Options& options) {
+  double worst = 0;
+  for (const JudgedModel& m : models)
+    for (const LobeComparison& l : m.lobes)
+      // Where nothing arrives any model is infinitely far off: that counts once it is no accident.
+      if (l.order == Order::all &&
+          (std::isfinite(l.relative_rmse_without_noise) || l.verdict == Verdict::differs))
+        worst = std::max(worst, l.relative_rmse_without_noise);
+  return options.max_error && worst > *options.max_error;
+}
+
+// What a preview costs is not what the comparison may cost: the solver where it applies, whatever
+// counted the lobes, else walks enough for a picture.
+Options preview_options(const Options& options) {
+  constexpr std::uint64_t kPreviewWalks = 10000;
+  Options preview = options;
+  preview.estimator = "auto";
+  preview.walk_options.clear();
+  preview.walks = std::min(options.walks, kPreviewWalks);
+  return preview;
+}
+
+Json page_details(const std::vector<RunResult>& runs, std::vector<JudgedModel>& models) {
+  std::vector<std::vector<LobeComparison>> lobes;
+  Json told = Json::array();
+  for (JudgedModel& m : models) {
+    lobes.push_back(std::move(m.lobes));
+    Json list = Json::object();
+    for (const auto& [key, value] : told_parameters(*m.bound)) list[key] = to_json(value);
+    told.push_back(std::move(list));
+  }
+  Json details = compare_page_details(runs, lobes);
+  details["parameters"] = std::move(told);
+  return details;
+}
+
 }  // namespace
 
 int compare_command(const Options& options) {
   const Stack stack = stack_of(options);
+  const bool previewed = options.preview && !options.answer_only;
+  if (previewed) check_preview("compare --preview", stack);
   GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
+  const std::vector<BoundModel> models = models_for(options, stack);
+  const std::vector<std::string> names = distinct_names(models);
   std::vector<JudgedModel> judged;
-  for (BoundModel& bound : models_for(options, stack)) {
-    const double nanoseconds = nanoseconds_per_eval(*bound.model);
-    judged.push_back({std::move(bound), nanoseconds, {}});
-  }
+  for (std::size_t m = 0; m < models.size(); ++m)
+    judged.push_back({&models[m], names[m], nanoseconds_per_eval(*models[m].model)});
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
   if (!options.answer_only) make_output_folder(folder);
 
   std::vector<RunResult> runs;
   for (std::size_t k = 0; k < truth.directions().size() && !interrupted; ++k) {
     const Truth found = truth.find(k);
-    const RunResult& run = runs.emplace_back(found.run);
+    runs.push_back(found.run);
     for (JudgedModel& m : judged)
-      for (const bool reflected : {true, false}) {
-        if (!reflected && !truth.plan().transmits) continue;
-        const bool up = (run.incident.z > 0) == reflected;
-        const ProjectedLobes projected =
-            project(*m.bound.model, *m.bound.info, run.incident, run.grid, up, run.channels);
-        for (LobeComparison& l : compare(run, found.batches.get(), projected, reflected))
-          m.lobes.push_back(std::move(l));
-      }
+      for (LobeComparison& l : judge(found, truth.plan(), *m.bound))
+        m.lobes.push_back(std::move(l));
   }
   std::vector<LobeComparison*> all;
   for (JudgedModel& m : judged)
@@ -140,7 +197,19 @@ int compare_command(const Options& options) {
 
   std::vector<SideBySide> beside;
   if (stack.grains() && !interrupted) beside = side_by_side(stack, runs, options);
-  const std::string summary =
+  Json answer = json_header("compare", stack, options);
+  add_choice(answer, truth.choice(), options);
+  answer["walks"] = runs.front().walks;
+  answer["interrupted"] = interrupted.load();
+  answer["models"] = models_json(judged);
+  if (!beside.empty()) answer["side_by_side"] = to_json(beside);
+  const int status = is_too_far(judged, options) ? kFailed : kDone;
+  if (options.answer_only) {
+    write_json(answer, options);
+    return status;
+  }
+
+  std::string summary =
       fmt::format("{}: {}{}{}\n", stack.name,
                   runs.front().is_bounded()
                       ? ""
@@ -148,54 +217,27 @@ int compare_command(const Options& options) {
                   estimator_text(truth.choice(), options),
                   truth.plan().channels == 3 ? "; energies are means over r, g, b" : "") +
       table(judged) + (beside.empty() ? "" : side_by_side_table(beside));
-  Json answer = json_header("compare", stack, options);
-  add_choice(answer, truth.choice(), options);
-  answer["walks"] = runs.front().walks;
-  answer["interrupted"] = interrupted.load();
-  Json list = Json::array();
   int pictures = 0;
-  double worst = 0;
   for (const JudgedModel& m : judged) {
-    Json lobes = Json::array();
-    for (const LobeComparison& l : m.lobes) {
-      lobes.push_back(to_json(l));
-      // Where nothing arrives any model is infinitely far off: that counts once it is no accident.
-      if (l.order == Order::all &&
-          (std::isfinite(l.relative_rmse_without_noise) || l.verdict == Verdict::differs))
-        worst = std::max(worst, l.relative_rmse_without_noise);
-    }
-    Json parameters = Json::object();
-    for (const auto& [key, value] : m.bound.parameters.all()) parameters[key] = to_json(value);
-    list.push_back({{"name", m.bound.info->name},
-                    {"parameters", std::move(parameters)},
-                    {"ns_per_eval", m.nanoseconds},
-                    {"lobes", std::move(lobes)}});
-    // Two requests of one model get a number each.
-    std::string name = m.bound.info->name;
-    int same = 0, before = 0;
-    for (const JudgedModel& other : judged) {
-      if (&other == &m) before = same;
-      same += other.bound.info == m.bound.info;
-    }
-    if (same > 1) name += fmt::format("_{}", before);
-    if (options.answer_only) continue;
-    write_exr(folder + "/" + name + ".exr",
-              comparison_image(stack, runs, m.lobes, options, to_request(m.bound)));
-    pictures += write_comparison_pictures(folder, name, stack.name, runs, m.lobes);
-  }
-  answer["models"] = std::move(list);
-  if (!beside.empty()) answer["side_by_side"] = to_json(beside);
-  if (options.answer_only) {
-    write_json(answer, options);
-    return options.max_error && worst > *options.max_error ? kFailed : kDone;
+    write_exr(folder + "/" + m.name + ".exr",
+              comparison_image(stack, runs, m.lobes, options, to_request(*m.bound)));
+    pictures += write_comparison_pictures(folder, m.name, stack.name, runs, m.lobes);
   }
   write_exr(folder + "/truth.exr", simulation_image(stack, runs, options));
+  Json details = page_details(runs, judged);
+  if (previewed && !interrupted) {
+    const LobeTable lobes = LobeTable::make(stack, preview_options(options));
+    const std::vector<PreviewResult> views =
+        preview_views(lobes, models, names, PreviewLighting{}, options.size);
+    write_preview_files(folder + "/preview_", views, lobes, stack, options);
+    answer["previews"] = to_json(views);
+    details["previews"] = preview_page_details(views, lobes, options);
+    summary += fmt::format("\npreview: truth by {}\n{}", lobes.source(), preview_table(views));
+  }
   write_file(folder + "/report.json", answer.dump(2) + "\n");
   write_file(folder + "/summary.txt", summary);
-  std::vector<std::vector<LobeComparison>> lobes;
-  for (JudgedModel& m : judged) lobes.push_back(std::move(m.lobes));
   write_report_page(folder + "/report.html", stack.name + ": closed forms against ground truth",
-                    answer, compare_page_details(runs, lobes));
+                    answer, details);
   if (!options.quiet) {
     std::FILE* out = table_stream(options);
     fmt::print(out, "{}", summary);
@@ -203,12 +245,11 @@ int compare_command(const Options& options) {
     if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
     fmt::print(out,
                "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
-               "summary.txt "
-               "and {} error maps (*.png)\n",
-               folder, pictures);
+               "summary.txt{} and {} error maps (*.png)\n",
+               folder, previewed ? ", previews (preview_*.exr, .png)" : "", pictures);
   }
   write_json(answer, options);
-  return options.max_error && worst > *options.max_error ? kFailed : kDone;
+  return status;
 }
 
 }  // namespace lamella

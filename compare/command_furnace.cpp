@@ -39,6 +39,7 @@ int model_furnace(const Options& options, const Stack& stack) {
   Json answer = json_header("furnace", stack, options);
   Json list = Json::array();
   std::string overall = "pass";
+  bool needs_stack = false;
   const double tolerance = options.max_error.value_or(kModelTolerance);
   std::FILE* out = table_stream(options);
   for (const std::string& text : options.models) {
@@ -79,6 +80,7 @@ int model_furnace(const Options& options, const Stack& stack) {
                    theta_degrees(wi), energy[0].get<double>(), energy[1].get<double>(),
                    energy[2].get<double>(), verdict);
     }
+    needs_stack = needs_stack || bound.info->needs_stack;
     list.push_back({{"name", bound.info->name}, {"runs", std::move(runs)}});
   }
   answer["verdict"] = overall;
@@ -86,7 +88,7 @@ int model_furnace(const Options& options, const Stack& stack) {
   answer["models"] = std::move(list);
   answer["runs"] = answer["models"][0]["runs"];
   if (!options.quiet) fmt::print(out, "{}\n", overall);
-  write_html(answer, stack.name + ": white furnace of closed forms", options);
+  write_html(answer, "White furnace of closed forms", options, {{"needs_stack", needs_stack}});
   write_json(answer, options);
   return status_of(overall, options);
 }

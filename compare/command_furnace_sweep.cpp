@@ -4,6 +4,8 @@
 #include "compare/closed_form_command.h"
 #include "compare/furnace_sweep.h"
 #include "compare/json_report.h"
+#include "compare/output_folder.h"
+#include "compare/report_page.h"
 
 namespace lamella {
 
@@ -20,12 +22,14 @@ int furnace_sweep_command(const Options& options) {
   if (list.empty())
     for (const ModelInfo& info : models())
       if (!info.needs_stack) list.push_back(&info);
+  if (!options.html.empty()) check_output_file(options.html);
   std::FILE* out = table_stream(options);
   if (!options.quiet)
     fmt::print(out,
                "| model | configurations | least energy | at | most energy | at |\n"
                "| --- | --- | --- | --- | --- | --- |\n");
   nlohmann::ordered_json answer = json_header("furnace", options);
+  answer["theta_i"] = furnace_sweep_angles();
   answer["sweep"] = nlohmann::ordered_json::array();
   for (const ModelInfo* info : list) {
     const FurnaceSweep sweep = sweep_furnace(*info);
@@ -43,11 +47,17 @@ int furnace_sweep_command(const Options& options) {
       return nlohmann::ordered_json{
           {"energy", e.energy}, {"theta_i", e.theta}, {"parameters", e.parameters}};
     };
+    nlohmann::ordered_json axes = nlohmann::ordered_json::array();
+    for (const FurnaceSweepAxis& axis : sweep.axes)
+      axes.push_back({{"name", axis.name}, {"values", axis.values}});
     answer["sweep"].push_back({{"name", info->name},
                                {"configurations", sweep.configurations},
+                               {"axes", std::move(axes)},
+                               {"energies", sweep.energies},
                                {"least", extreme(sweep.least)},
                                {"most", extreme(sweep.most)}});
   }
+  write_html(answer, "White furnaces of closed forms over their parameters", options);
   write_json(answer, options);
   return kDone;
 }

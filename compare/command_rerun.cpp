@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "compare/command.h"
-#include "compare/comparison.h"
 #include "compare/ground_truth.h"
 #include "compare/json_report.h"
 #include "compare/lobe_files.h"
@@ -75,6 +74,8 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
     const auto tolerance = parse_number(text("tolerance"));
     if (!tolerance || !(*tolerance > 0)) throw broken("tolerance");
     recorded.options.tolerance = *tolerance;
+    recorded.options.solver_end = {static_cast<int>(whole("nodes")),
+                                   static_cast<int>(whole("modes"))};
   }
   std::istringstream directions(text("directions")), walks(text("walks"));
   for (std::string word; directions >> word;) {
@@ -103,44 +104,27 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
 }
 
 ExrImage repeated(const RecordedRun& recorded) {
-  GroundTruth truth(recorded.stack, recorded.options, recorded.grid, recorded.estimator,
+  // Walks are repeated as they were, not chosen again; what asked for them is kept in the header.
+  Options options = recorded.options;
+  if (recorded.estimator != Estimator::deterministic)
+    options.estimator = to_text(recorded.estimator);
+  GroundTruth truth(recorded.stack, options, recorded.grid, recorded.estimator,
                     recorded.directions);
-  const Plan& plan = truth.plan();
-  std::optional<BoundModel> bound;
+  std::optional<BoundModel> model;
   if (!recorded.model.empty()) {
-    Options one = recorded.options;
-    one.models = {recorded.model};
-    bound = std::move(models_for(one, recorded.stack).front());
+    options.models = {recorded.model};
+    model = std::move(models_for(options, recorded.stack).front());
   }
   std::vector<RunResult> runs;
   std::vector<LobeComparison> lobes;
   for (std::size_t k = 0; k < recorded.directions.size(); ++k) {
-    const Direction wi = recorded.directions[k];
-    Truth found;
-    if (recorded.estimator == Estimator::deterministic) {
-      found = truth.find(k);
-    } else {
-      // Each direction has walks of its own number.
-      Options one = recorded.options;
-      one.walks = recorded.walks[k];
-      found.batches = std::make_unique<Simulation>(recorded.stack, plan, wi, recorded.estimator,
-                                                   recorded.grid, recorded.options.seed);
-      found.run =
-          run_with_progress(*found.batches, one, fmt::format("theta_i {:g}", theta_degrees(wi)));
-    }
+    const Truth found = truth.find(k, recorded.walks[k]);
     runs.push_back(found.run);
     if (interrupted) throw UsageError("interrupted: nothing is said of the file");
-    const RunResult& run = runs.back();
-    for (const bool reflected : {true, false}) {
-      if (!bound || (!reflected && !plan.transmits)) continue;
-      const bool up = (run.incident.z > 0) == reflected;
-      const ProjectedLobes projected =
-          project(*bound->model, *bound->info, wi, run.grid, up, run.channels);
-      for (LobeComparison& l : compare(run, found.batches.get(), projected, reflected))
-        lobes.push_back(std::move(l));
-    }
+    if (!model) continue;
+    for (LobeComparison& l : judge(found, truth.plan(), *model)) lobes.push_back(std::move(l));
   }
-  return bound ? comparison_image(recorded.stack, runs, lobes, recorded.options, recorded.model)
+  return model ? comparison_image(recorded.stack, runs, lobes, recorded.options, recorded.model)
                : simulation_image(recorded.stack, runs, recorded.options);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "compare/base64.h"
 #include "compare/json_report.h"
 
 namespace lamella {
@@ -26,22 +27,13 @@ std::size_t index_of(const std::vector<RunResult>& runs, Direction wi) {
 }  // namespace
 
 std::string base64_floats(const std::vector<double>& values) {
-  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes, text;
+  std::string bytes;
   bytes.reserve(values.size() * 4);
   for (const double v : values) {
     const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(v));
     for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(bits >> shift & 255);
   }
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t i = k; i < k + 3; ++i)
-      group = group << 8 | (i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0u);
-    for (std::size_t i = 0; i < 4; ++i)
-      text += k + i <= bytes.size() ? digits[group >> (18 - 6 * i) & 63] : '=';
-  }
-  return text;
+  return base64(bytes);
 }
 
 Json compare_page_details(const std::vector<RunResult>& runs,

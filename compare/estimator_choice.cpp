@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "phase/parameters.h"
 
@@ -18,6 +19,14 @@ constexpr double kSolverShare = 0.5, kRefinedShare = 0.1;
 
 std::string cost_of(const DeterministicAccuracy& a) {
   return fmt::format("{:.1e} with {} nodes and {} modes", a.error, a.nodes, a.modes);
+}
+
+// A repeated run takes no notice of the clock: it goes as far as the first one went.
+void end_where_it_ended(DeterministicOptions& solver, const Options& options) {
+  if (!options.solver_end) return;
+  solver.max_nodes = options.solver_end->nodes;
+  solver.last_modes = options.solver_end->modes;
+  solver.max_seconds = std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -37,6 +46,7 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
   DeterministicOptions solver{.tolerance = kSolverShare * options.tolerance, .stop = &interrupted};
   if (options.estimator == "deterministic") {
     solver.max_seconds = options.seconds.value_or(kSeconds);
+    end_where_it_ended(solver, options);
     const auto solution =
         std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
     return {Estimator::deterministic, "asked for", solution};
@@ -47,6 +57,7 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
   solver.max_nodes = kTrialNodes;
   solver.max_modes = kTrialModes;
   solver.max_seconds = kTrialSeconds;
+  end_where_it_ended(solver, options);
   const auto solution =
       std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
   const DeterministicAccuracy& reached = solution->accuracy();
@@ -59,10 +70,11 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
 }
 
 std::shared_ptr<const DeterministicSolution> refined(const Stack& stack, const Options& options) {
-  return std::make_shared<const DeterministicSolution>(
-      solve_deterministic(stack, {.tolerance = kRefinedShare * options.tolerance,
-                                  .max_seconds = options.seconds.value_or(kSeconds),
-                                  .stop = &interrupted}));
+  DeterministicOptions solver{.tolerance = kRefinedShare * options.tolerance,
+                              .max_seconds = options.seconds.value_or(kSeconds),
+                              .stop = &interrupted};
+  end_where_it_ended(solver, options);
+  return std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
 }
 
 std::string estimator_text(const EstimatorChoice& choice, const Options& options) {

@@ -35,12 +35,26 @@ std::vector<ParameterValue> values_of(const ParameterInfo& p) {
   return {parse_value(p, p.default_value)};
 }
 
+double degrees_of(double mu) { return std::acos(mu) * 180 / kPi; }
+
 }  // namespace
+
+std::vector<double> furnace_sweep_angles() {
+  std::vector<double> angles;
+  for (const double mu : kCosines) angles.push_back(degrees_of(mu));
+  return angles;
+}
 
 FurnaceSweep sweep_furnace(const ModelInfo& info) {
   FurnaceSweep sweep;
   std::vector<std::vector<ParameterValue>> choices;
-  for (const ParameterInfo& p : info.parameters) choices.push_back(values_of(p));
+  for (const ParameterInfo& p : info.parameters) {
+    choices.push_back(values_of(p));
+    if (choices.back().size() < 2) continue;
+    FurnaceSweepAxis& axis = sweep.axes.emplace_back();
+    axis.name = p.name;
+    for (const ParameterValue& value : choices.back()) axis.values.push_back(to_text(value));
+  }
   std::vector<std::size_t> at(choices.size(), 0);
   for (bool more = true; more;) {
     Parameters parameters;
@@ -59,7 +73,8 @@ FurnaceSweep sweep_furnace(const ModelInfo& info) {
       if (!std::isfinite(energy))
         throw std::domain_error(
             fmt::format("{}: the energy at mu = {} is not finite with {}", info.name, mu, text));
-      const double theta = std::acos(mu) * 180 / kPi;
+      sweep.energies.push_back(energy);
+      const double theta = degrees_of(mu);
       if (energy < sweep.least.energy) sweep.least = SweepExtreme{energy, theta, text};
       if (energy > sweep.most.energy) sweep.most = SweepExtreme{energy, theta, text};
     }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "analytic/model.h"
 
 namespace lamella {
@@ -11,8 +14,18 @@ struct SweepExtreme {
   std::string parameters{};  ///< "key=value, ..."
 };
 
+/// A parameter that takes more than one value, as text.
+struct FurnaceSweepAxis {
+  std::string name;
+  std::vector<std::string> values;
+};
+
 struct FurnaceSweep {
   int configurations = 0;
+  std::vector<FurnaceSweepAxis> axes{};
+  /// One per configuration and incident angle: [configuration][theta], the first axis changing
+  /// fastest.
+  std::vector<double> energies{};
   SweepExtreme least{.energy = 2}, most{.energy = -1};
 };
 
@@ -21,5 +34,8 @@ struct FurnaceSweep {
 /// or to a bulk, stays at its default), `surface` at all its choices; energy at mu = 1, 0.9, 0.6,
 /// 0.3, 0.1, 0.02 and 0.
 [[nodiscard]] FurnaceSweep sweep_furnace(const ModelInfo& info);
+
+/// Its incident angles in degrees.
+[[nodiscard]] std::vector<double> furnace_sweep_angles();
 
 }  // namespace lamella

@@ -58,7 +58,7 @@ const EstimatorChoice& GroundTruth::choice() {
   return *choice_;
 }
 
-Truth GroundTruth::find(std::size_t k) {
+Truth GroundTruth::find(std::size_t k, std::optional<std::uint64_t> walks) {
   const Direction wi = directions_[k];
   const Estimator estimator = choice().estimator;
   Truth truth;
@@ -68,9 +68,25 @@ Truth GroundTruth::find(std::size_t k) {
     return truth;
   }
   truth.batches = std::make_unique<Simulation>(stack_, plan_, wi, estimator, grid_, options_.seed);
+  Options options = options_;
+  options.walks = walks.value_or(options.walks);
   truth.run =
-      run_with_progress(*truth.batches, options_, fmt::format("theta_i {:g}", theta_degrees(wi)));
+      run_with_progress(*truth.batches, options, fmt::format("theta_i {:g}", theta_degrees(wi)));
   return truth;
+}
+
+std::vector<LobeComparison> judge(const Truth& truth, const Plan& plan, const BoundModel& model) {
+  const RunResult& run = truth.run;
+  std::vector<LobeComparison> lobes;
+  for (const bool reflected : {true, false}) {
+    if (!reflected && !plan.transmits) continue;
+    const bool up = (run.incident.z > 0) == reflected;
+    const ProjectedLobes projected =
+        project(*model.model, *model.info, run.incident, run.grid, up, run.channels);
+    for (LobeComparison& l : compare(run, truth.batches.get(), projected, reflected))
+      lobes.push_back(std::move(l));
+  }
+  return lobes;
 }
 
 }  // namespace lamella

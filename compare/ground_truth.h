@@ -4,7 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "compare/comparison.h"
 #include "compare/estimator_choice.h"
+#include "compare/model_request.h"
 #include "compare/options.h"
 #include "volume/run_result.h"
 #include "volume/simulation.h"
@@ -39,7 +41,8 @@ class GroundTruth {
 
   /// The truth of the k-th direction, with progress on a terminal. Ctrl-C ends a walk at the next
   /// checkpoint and sets `interrupted`. Says on stderr where less was reached than was asked for.
-  [[nodiscard]] Truth find(std::size_t k);
+  /// `walks`: of this direction, where they are no option's.
+  [[nodiscard]] Truth find(std::size_t k, std::optional<std::uint64_t> walks = {});
 
  private:
   Stack stack_;
@@ -51,5 +54,10 @@ class GroundTruth {
   std::optional<EstimatorChoice> choice_;
   std::vector<RunResult> solved_;  // one per direction, once the solver was used
 };
+
+/// A closed form against the truth of one direction: every lobe it stands for, on each side that
+/// the plan has. Verdicts wait for `decide`.
+[[nodiscard]] std::vector<LobeComparison> judge(const Truth& truth, const Plan& plan,
+                                                const BoundModel& model);
 
 }  // namespace lamella

@@ -111,11 +111,6 @@ void LobeTable::walk(const Stack& stack, const Options& options) {
 }
 
 LobeTable LobeTable::make(const Stack& stack, const Options& options) {
-  if (!stack.is_symmetric_about_z())
-    throw UsageError(fmt::format(
-        "preview {}: found a stack with a preferred azimuth; allowed: stacks that are symmetric "
-        "about z",
-        stack.name));
   LobeTable table;
   table.stack_ = stack;
   table.values_.resize(static_cast<std::size_t>(kMuNodes) * kMuNodes * kPhiNodes);
@@ -126,6 +121,17 @@ LobeTable LobeTable::make(const Stack& stack, const Options& options) {
   else
     table.walk(stack, options);
   return table;
+}
+
+void check_preview(const std::string& what, const Stack& stack) {
+  const char* found = !stack.is_symmetric_about_z() ? "a stack with a preferred azimuth"
+                      : stack.grains()              ? "explicit geometry"
+                      : stack.has_grid()            ? "a density grid"
+                                                    : nullptr;
+  if (found)
+    throw UsageError(
+        fmt::format("{} {}: found {}; allowed: homogeneous layers that are symmetric about z", what,
+                    stack.name, found));
 }
 
 }  // namespace lamella

@@ -20,7 +20,7 @@ class LobeTable {
   [[nodiscard]] const std::string& source() const { return source_; }
 
   /// By adding and doubling where that applies, else by `options.walks` next-event walks per
-  /// incoming node. Throws UsageError for a stack that is not symmetric about z.
+  /// incoming node. For stacks that `check_preview` lets pass.
   [[nodiscard]] static LobeTable make(const Stack& stack, const Options& options);
 
   static constexpr int kMuNodes = 24, kPhiNodes = 25;
@@ -42,5 +42,9 @@ class LobeTable {
   std::vector<Rgb> values_;  // orders 2 and up
   std::string source_;
 };
+
+/// Throws UsageError, naming `what` asked for it, for a stack whose reflection no such table holds:
+/// one that is not symmetric about z, is explicit geometry or has a grid.
+void check_preview(const std::string& what, const Stack& stack);
 
 }  // namespace lamella

@@ -69,6 +69,19 @@ std::string request_value(const ParameterValue& value) {
 
 }  // namespace
 
+std::vector<std::string> distinct_names(const std::vector<BoundModel>& models) {
+  std::vector<std::string> names;
+  for (const BoundModel& m : models) {
+    int same = 0, before = 0;
+    for (const BoundModel& other : models) {
+      if (&other == &m) before = same;
+      same += other.info == m.info;
+    }
+    names.push_back(same > 1 ? fmt::format("{}_{}", m.info->name, before) : m.info->name);
+  }
+  return names;
+}
+
 std::string to_request(const BoundModel& model) {
   std::string text = model.info->name;
   for (const auto& [key, value] : model.parameters.all())

@@ -21,6 +21,9 @@ struct BoundModel {
 /// The models to judge on a stack: those asked for, or else all that apply to it.
 [[nodiscard]] std::vector<BoundModel> models_for(const Options& options, const Stack& stack);
 
+/// The models' names; where one is there several times, with a number each: for files and columns.
+[[nodiscard]] std::vector<std::string> distinct_names(const std::vector<BoundModel>& models);
+
 /// The model as --model takes it: NAME,key=value,...
 [[nodiscard]] std::string to_request(const BoundModel& model);
 

@@ -36,6 +36,11 @@ struct Options {
   /// Options that were given and that only walks have a use for, such as "--walks".
   std::vector<std::string> walk_options{};
   double tolerance = 1e-6;  ///< of the deterministic solver
+  /// Of a run that is repeated: where the solver's refinement ended, be it by the clock.
+  struct SolverEnd {
+    int nodes, modes;
+  };
+  std::optional<SolverEnd> solver_end{};
   std::string grid = "16x32";
   std::string estimator = "auto";
   std::uint64_t seed = 1;
@@ -49,6 +54,7 @@ struct Options {
   std::vector<std::string> contrasts{};                  ///< of homogenise, factors in [0, 1]
   std::string light = "45,45", environment = "uniform";  ///< of preview
   int size = 192;                                        ///< of preview, pixels
+  bool preview = false;                                  ///< compare: with a preview
   std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
   std::string of = "compare";                            ///< of sweep: compare or furnace
   bool answer_only = false;          ///< compare: the JSON alone, no folder (for sweep)

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/color_scale.h"
 #include "compare/exr_file.h"
 #include "phase/color.h"
 #include "phase/direction.h"
@@ -65,6 +66,18 @@ struct PreviewColumn {
   std::string name;
   PreviewImage image;
 };
+
+/// What the pictures of a view share.
+struct PreviewScales {
+  double white = 1;       ///< luminance shown as white: the truth's 99th percentile
+  ColorScale difference;  ///< of the luminance, model - truth
+};
+[[nodiscard]] PreviewScales scales_of(const std::vector<PreviewColumn>& columns);
+
+/// PNG bytes of one picture; of the signed difference in luminance, model - truth.
+[[nodiscard]] std::string picture_png(const PreviewImage& image, double white);
+[[nodiscard]] std::string difference_png(const PreviewImage& truth, const PreviewImage& model,
+                                         const ColorScale& scale);
 
 /// PNG bytes: the pictures of a view side by side at one exposure (the truth's 99th percentile is
 /// white), below each model its signed difference from the truth in luminance, with the scale.

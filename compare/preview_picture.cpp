@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "compare/canvas.h"
 #include "compare/color_bar.h"
-#include "compare/color_scale.h"
 #include "compare/preview.h"
 
 namespace lamella {
@@ -39,7 +39,57 @@ void text(Canvas& canvas, int x, int y, const std::string& what, Font font, int 
   canvas.text(x, y, shortened(what, font, width), font, Align::left, kText);
 }
 
+double difference_at(const PreviewImage& truth, const PreviewImage& model, std::size_t k) {
+  return luminance(model.radiance[k]) - luminance(truth.radiance[k]);
+}
+
+void paint(Canvas& canvas, int left, int top, const PreviewImage& image,
+           const std::function<Color(std::size_t)>& color) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t k = static_cast<std::size_t>(y) * image.width + x;
+      if (image.covered[k]) canvas.pixel(left + x, top + y, color(k));
+    }
+}
+
+void paint_picture(Canvas& canvas, int left, int top, const PreviewImage& image, double white) {
+  paint(canvas, left, top, image, [&](std::size_t k) {
+    const Rgb v = (1 / white) * image.radiance[k];
+    return Color{encoded(v.r), encoded(v.g), encoded(v.b)};
+  });
+}
+
+void paint_difference(Canvas& canvas, int left, int top, const PreviewImage& truth,
+                      const PreviewImage& model, const ColorScale& scale) {
+  paint(canvas, left, top, model,
+        [&](std::size_t k) { return scale.color(difference_at(truth, model, k)); });
+}
+
 }  // namespace
+
+PreviewScales scales_of(const std::vector<PreviewColumn>& columns) {
+  const PreviewImage& truth = columns.front().image;
+  std::vector<double> differences;
+  for (const PreviewColumn& column : columns)
+    for (std::size_t k = 0; k < truth.radiance.size(); ++k)
+      differences.push_back(difference_at(truth, column.image, k));
+  return {white_of(truth), signed_scale(differences)};
+}
+
+std::string picture_png(const PreviewImage& image, double white) {
+  Canvas canvas(image.width, image.height);
+  canvas.fill(0, 0, image.width, image.height, kBackground);
+  paint_picture(canvas, 0, 0, image, white);
+  return canvas.png();
+}
+
+std::string difference_png(const PreviewImage& truth, const PreviewImage& model,
+                           const ColorScale& scale) {
+  Canvas canvas(model.width, model.height);
+  canvas.fill(0, 0, model.width, model.height, kBackground);
+  paint_difference(canvas, 0, 0, truth, model, scale);
+  return canvas.png();
+}
 
 std::string draw_preview(const std::string& title, const std::vector<PreviewColumn>& columns) {
   const PreviewImage& truth = columns.front().image;
@@ -51,34 +101,21 @@ std::string draw_preview(const std::string& title, const std::vector<PreviewColu
   Canvas canvas(width, height);
   canvas.fill(0, 0, width, height, kBackground);
   text(canvas, kMargin, 8, title, Font::bold, width - 2 * kMargin);
-  const double white = white_of(truth);
-  std::vector<double> differences;
-  for (const PreviewColumn& column : columns)
-    for (std::size_t k = 0; k < truth.radiance.size(); ++k)
-      differences.push_back(luminance(column.image.radiance[k]) - luminance(truth.radiance[k]));
-  const ColorScale scale = signed_scale(differences);
+  const PreviewScales scales = scales_of(columns);
   for (int c = 0; c < count; ++c) {
     const PreviewImage& image = columns[c].image;
     const int left = kMargin + c * (truth.width + kGap);
     text(canvas, left, kTitle, columns[c].name, Font::small, truth.width);
-    if (c > 0) text(canvas, left, second, "model - truth", Font::small, truth.width);
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x) {
-        const std::size_t k = static_cast<std::size_t>(y) * image.width + x;
-        if (!image.covered[k]) continue;
-        const Rgb v = (1 / white) * image.radiance[k];
-        canvas.pixel(left + x, kTitle + kLabel + y, {encoded(v.r), encoded(v.g), encoded(v.b)});
-        if (c > 0)
-          canvas.pixel(
-              left + x, second + kLabel + y,
-              scale.color(differences[static_cast<std::size_t>(c) * image.radiance.size() + k]));
-      }
+    paint_picture(canvas, left, kTitle + kLabel, image, scales.white);
+    if (c == 0) continue;
+    text(canvas, left, second, "model - truth", Font::small, truth.width);
+    paint_difference(canvas, left, second + kLabel, truth, image, scales.difference);
   }
   if (models) {
     const int bar = std::min(width - kScaleLabel - 3 * kMargin, 256),
               top = height - kColorBarHeight - 2;
     canvas.fill(0, top - 4, width, height - top + 4, Color{255, 255, 255});
-    draw_color_bar(canvas, scale, kMargin + kScaleLabel, top, bar, false);
+    draw_color_bar(canvas, scales.difference, kMargin + kScaleLabel, top, bar, false);
     canvas.text(kMargin, top, "luminance, model - truth", Font::small, Align::left, Color{0, 0, 0});
   }
   return canvas.png();

@@ -66,7 +66,12 @@ void write_report_page(const std::filesystem::path& path, const std::string& tit
 
 void write_html(const nlohmann::ordered_json& answer, const std::string& title,
                 const Options& options) {
-  if (!options.html.empty()) write_report_page(options.html, title, answer, nullptr);
+  write_html(answer, title, options, nullptr);
+}
+
+void write_html(const nlohmann::ordered_json& answer, const std::string& title,
+                const Options& options, const nlohmann::ordered_json& details) {
+  if (!options.html.empty()) write_report_page(options.html, title, answer, details);
 }
 
 }  // namespace lamella

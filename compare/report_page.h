@@ -22,5 +22,7 @@ void write_report_page(const std::filesystem::path& path, const std::string& tit
 /// Writes the page to the file that --html names; nothing if it was not given.
 void write_html(const nlohmann::ordered_json& answer, const std::string& title,
                 const Options& options);
+void write_html(const nlohmann::ordered_json& answer, const std::string& title,
+                const Options& options, const nlohmann::ordered_json& details);
 
 }  // namespace lamella

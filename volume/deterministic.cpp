@@ -213,7 +213,8 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       if (solution.steep_) split.emplace(stack, channel, sets);
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
-      const int max_modes = std::min(options.max_modes, 16 * nodes + 24);
+      int max_modes = std::min(options.max_modes, 16 * nodes + 24);
+      if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes);
       const Limits limits{options.tolerance / 10, max_modes,
                           options.max_bytes,      2 * options.max_seconds - seconds_since(start),
                           solution.steep_,        options.stop};

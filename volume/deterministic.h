@@ -17,6 +17,7 @@ struct DeterministicOptions {
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
   int max_nodes = 256;
   int max_modes = 1024;     ///< azimuthal modes
+  int last_modes = 1024;    ///< of them with max_nodes: where a run that is repeated ended
   double max_seconds = 60;  ///< a finer solution is not begun where it would end later, and is cut
                             ///< short at twice that
   std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables

@@ -53,8 +53,22 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         self.assertIn("no.exr", self.lamella("preview", "sggx_slab", "--environment", "no.exr",
                                              status=2).err)
 
+    def test_compare_has_one_too(self):
+        answer = self.json_of("compare", "lambert_sphere_halfspace", "--wi", "60", "--walks", "3000",
+                              "--preview", "--quiet", "--model", "lambert_sphere", "-o", "out")
+        alone = self.json_of("preview", "lambert_sphere_halfspace", "--model", "lambert_sphere", "--quiet")
+        self.assertEqual(answer["previews"], alone["views"])
+        for view in answer["previews"]:
+            for end in ("exr", "png"):
+                self.assertTrue((self.folder / f"out/preview_{view['scene']}_{view['light']}.{end}").exists())
+        self.assertEqual(self.json_of("compare", "lambert_sphere_halfspace", "--wi", "60", "--walks", "3000",
+                                      "--quiet", "--model", "lambert_sphere", "-o", "none").get("previews"), None)
+        self.assertIn("compare --preview", self.lamella("compare", "spongecake_window_shade", "--preview",
+                                                        status=2).err)
+
     def test_what_cannot_be_drawn_is_refused(self):
         for arguments, part in ((["spongecake_window_shade"], "symmetric"),
+                                (["sphere_bed_dense"], "explicit geometry"),
                                 (["sggx_slab", "--light", "200"], "--light"),
                                 (["sggx_slab", "--size", "4"], "16 to 2048")):
             with self.subTest(arguments):

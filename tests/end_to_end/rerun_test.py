@@ -44,6 +44,14 @@ class ARunIsRepeatedBitByBit(ProgramTest):
         self.repeated("out/truth.exr")
         self.repeated("out/lambert_sphere.exr")
 
+    def test_of_the_solver_whatever_ended_its_refinement(self):
+        # Asked for, and ended by the clock, which a repeated run takes no notice of.
+        for file, *options in (("asked.exr", "--tolerance", "1e-4"),
+                               ("clock.exr", "--tolerance", "1e-12", "--time", "0.3")):
+            self.lamella("simulate", "sggx_slab", "--wi", "45", "--wi", "70", "--estimator",
+                         "deterministic", "--grid", "4x8", *options, "--quiet", "-o", file)
+            self.repeated(file, "--threads", "3")
+
     def test_of_compare_the_truth_and_each_model(self):
         self.write("mine.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = [0.9, 0.5, 0.1]\n'
                                 "thickness = inf\n")

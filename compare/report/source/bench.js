@@ -26,8 +26,9 @@ export function bench(page, answer) {
     answer.interrupted ? "interrupted: what was done until then" : ""]));
   if (stacks.length) page.append(controls, plotFigure, element("p", {class: "quiet"}, "Lower left is better. Cost: nanoseconds " +
     "of one core per value of the BSDF; for estimators, the time of the run over the cells it fills. Error: relative RMSE of " +
-    "the reflected lobe of all orders at θ_i = 60°, without the truth's noise for closed forms, the standard error for walks. " +
-    "Bars: 95 % of the error, and the spread of the timing. The line joins what nothing beats in both."),
+    "the reflected lobe of all orders at θ_i = 60°: for closed forms without the truth's noise, for walks the standard error, for the " +
+    "deterministic solver its bound (an arrow points down: the error is no larger). Bars: 95 % of the error, and the spread of the timing. " +
+    "The line joins what nothing beats in both."),
     element("h2", {}, "The front"), front);
   page.append(element("h2", {}, "All rows"), element("p", {class: "quiet"},
     "Ratio: above 1 is faster than the baseline of the same run."), table);
@@ -37,35 +38,57 @@ export function bench(page, answer) {
     const methods = [...new Set(shown.map((r) => r.method))];
     plotFigure.querySelector("figcaption .quiet")?.remove();
     plotFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, state.stack));
-    key.replaceChildren(legend([...methods.map((m, k) => ({name: m, model: k, lineless: shown.filter((r) => r.method === m).length < 2})),
+    const lines = (m) => shown.filter((r) => r.method === m).length > 1;
+    key.replaceChildren(legend([...methods.map((m, k) => ({name: m, model: k, lineless: !lines(m)})),
       {name: "Pareto front", color: "currentColor", symbol: "none"}]));
     const decades = (values) => [10 ** Math.floor(Math.log10(Math.min(...values)) - 1e-9), 10 ** Math.ceil(Math.log10(Math.max(...values)) + 1e-9)];
     const [left, right] = decades(shown.flatMap((r) => [r.ns_low ?? r.ns_per_eval, r.ns_high ?? r.ns_per_eval]).filter((v) => v > 0));
     const [bottom, top] = decades(shown.flatMap((r) => [r.error, r.error_high ?? r.error]).filter((v) => v > 0));
     const within = (v, low, high) => Math.max(low, Math.min(high, v));
-    chart(plot, `Speed against error on ${state.stack}`, (p) => ({
-      grid: {left: 64, right: 24, top: 16, bottom: 50},
+    const power = (v) => Math.abs(v) >= 1e4 || Math.abs(v) < 1e-3 ? short(v, 1) : String(v);
+    chart(plot, `Speed against error on ${state.stack}`, (p, {width, height}) => { const layout = apart(shown.map((r) => [66 + (width - 94) * share(r.ns_per_eval, left, right),
+        height - 50 - (height - 74) * share(r.error, bottom, top)]), width); return ({
+      grid: {left: 66, right: 28, top: 24, bottom: 50},
       tooltip: tooltip(p, {trigger: "item", formatter: ({data, seriesName}) => data?.row
-        ? `${data.row.method}<br>${short(data.row.ns_per_eval)} ns per value<br>error ${percent(data.row.error)}` : seriesName}),
-      xAxis: axis(p, "cost [ns per value]", {type: "log", min: left, max: right, axisLabel: {color: p.quiet, formatter: (v) => short(v)}}),
-      yAxis: axis(p, "relative error", {type: "log", min: bottom, max: top, nameGap: 46, axisLabel: {color: p.quiet, formatter: (v) => short(v)}}),
+        ? `${data.row.method}<br>${short(data.row.ns_per_eval)} ns per value<br>error ${data.row.bound ? "at most " : ""}${percent(data.row.error)}` : seriesName}),
+      xAxis: axis(p, "cost [ns per value]", {type: "log", min: left, max: right, axisLabel: {color: p.quiet, formatter: power, hideOverlap: true}}),
+      yAxis: axis(p, "relative error", {type: "log", min: bottom, max: top, nameGap: 48, axisLabel: {color: p.quiet, formatter: power}}),
       series: [
         {type: "line", name: "Pareto front", data: stairs(best, right), showSymbol: false, silent: true,
-          lineStyle: {color: p.text, width: 1.4, opacity: .8}, z: 2},
+          lineStyle: {color: p.text, width: 1.6, opacity: .8}, z: 2},
         ...methods.flatMap((m, k) => {
           const mine = shown.filter((r) => r.method === m).sort((a, b) => a.ns_per_eval - b.ns_per_eval);
           return [bars(mine.map((r) => [r.ns_per_eval, r.error, within(r.ns_low ?? r.ns_per_eval, left, right), within(r.ns_high ?? r.ns_per_eval, left, right),
-              within(r.error_low ?? r.error, bottom, top), within(r.error_high ?? r.error, bottom, top)]), modelColor(k)),
-            {type: "line", name: m, data: mine.map((r) => ({value: [r.ns_per_eval, r.error], row: r})), symbol: modelSymbol(k), symbolSize: 11, z: 5,
+              within(r.error_low ?? r.error, bottom, top), within(r.error_high ?? r.error, bottom, top), r.bound ? 1 : 0]), modelColor(k)),
+            {type: "line", name: m, symbol: modelSymbol(k), symbolSize: 11, z: 5,
+              // Names stand beside each method's cheapest point, and move apart; where there is no room the legend has them.
+              data: mine.map((r, i) => ({value: [r.ns_per_eval, r.error], row: r, label: {show: i === 0 && width > 560}})),
               lineStyle: {color: modelColor(k), type: modelDash(k), width: mine.length > 1 ? 2 : 0}, itemStyle: {color: modelColor(k)},
-              label: {show: mine.length === 1, formatter: m, position: "top", color: p.text, textBorderWidth: 0}, labelLayout: {hideOverlap: true}}];
+              label: {formatter: m, position: "right", distance: 9, color: p.text, textBorderColor: p.back, textBorderWidth: 2},
+              labelLine: {show: true, lineStyle: {color: p.quiet}}, labelLayout: layout}];
         })],
-    }));
+    }); });
     front.replaceChildren(scrolling("The Pareto front", element("table", {id: "front"}, element("thead", {}, element("tr", {},
       ["Method", "ns per value", "Error"].map((h, k) => element("th", {class: k ? null : "text", scope: "col"}, h)))),
       element("tbody", {}, best.map((r) => element("tr", {}, element("td", {class: "text"}, r.method + (r.walks ? `, ${r.walks.toLocaleString("en")} walks` : "") +
         (r.tolerance ? `, tolerance ${short(r.tolerance)}` : "")),
         element("td", {}, short(r.ns_per_eval)), element("td", {}, percent(r.error))))))));
+  }
+  const share = (v, low, high) => Math.log(v / low) / Math.log(high / low);
+  // Labels beside their points, moved up or down from other labels and points, to the left at the right edge.
+  function apart(points, width) {
+    const placed = new Map();
+    const marks = points.map(([x, y]) => ({x: x - 6, y: y - 6, width: 12, height: 12}));
+    const meet = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+    return ({seriesIndex, labelRect: r}) => {
+      if (placed.has(seriesIndex)) placed.clear();
+      const dx = r.x + r.width > width - 4 ? -r.width - 26 : 0;
+      const steps = Array.from({length: 40}, (_, k) => (k % 2 ? 1 : -1) * (11 + Math.floor(k / 2) * 4)).filter((dy) => r.y + dy > 2);
+      const at = (dy) => ({x: r.x + dx, y: r.y + dy, width: r.width, height: r.height});
+      const dy = steps.find((d) => ![...placed.values(), ...marks].some((b) => meet(at(d), b))) ?? 0;
+      placed.set(seriesIndex, at(dy));
+      return {dx, dy};
+    };
   }
   // The front as a line: its error holds for every higher cost, until a better point.
   function stairs(best, right) {
@@ -78,6 +101,10 @@ export function bench(page, answer) {
           const [x1, y1] = api.coord(a), [x2, y2] = api.coord(b);
           return {type: "line", shape: {x1, y1, x2, y2}, style: {stroke: color, lineWidth: 1.5}};
         };
+        if (v(6)) {
+          const [x, y] = api.coord([v(0), v(1)]), stroke = (x1, y1, x2, y2) => ({type: "line", shape: {x1, y1, x2, y2}, style: {stroke: color, lineWidth: 1.5}});
+          return {type: "group", children: [stroke(x, y, x, y + 24), stroke(x, y + 24, x - 4, y + 18), stroke(x, y + 24, x + 4, y + 18)]};
+        }
         return {type: "group", children: [line([v(2), v(1)], [v(3), v(1)]), line([v(0), v(4)], [v(0), v(5)])]};
       }};
   }
@@ -92,7 +119,7 @@ export function bench(page, answer) {
       element("tbody", {}, rows.map((r) => element("tr", {"data-row": answer.rows.indexOf(r)}, element("td", {class: "text"}, r.what),
         element("td", {class: "text"}, kinds[r.kind] ?? r.kind), number(r, "seconds"), number(r, "collisions_per_second_per_core"),
         number(r, "ns_per_eval"), number(r, "error", r.error === null ? "–" : percent(r.error)),
-        number(r, "ratio_to_baseline"), element("td", {class: "text", title: Object.entries(r).filter(([k]) => !known.has(k)).map(([k, v]) => `${k} ${v}`).join(", ")},
+        number(r, "ratio_to_baseline"), element("td", {class: "text wrap", title: Object.entries(r).filter(([k]) => !known.has(k)).map(([k, v]) => `${k} ${v}`).join(", ")},
           String(r.baseline ?? "") + (r.extrapolated ? " extrapolated" : ""))))))));
   }
   const choose = (name, f) => (v) => { state[name] = v; f(); };

@@ -3,12 +3,13 @@ import {CustomChart, HeatmapChart, LineChart, ScatterChart, BarChart} from "echa
 import {GridComponent, PolarComponent, TooltipComponent, VisualMapContinuousComponent,
   MarkLineComponent, AriaComponent} from "echarts/components";
 import {init, use} from "echarts/core";
+import {LabelLayout} from "echarts/features";
 import {SVGRenderer} from "echarts/renderers";
 import {element} from "./dom.js";
 
 use([CustomChart, HeatmapChart, LineChart, ScatterChart, BarChart, GridComponent,
   PolarComponent, TooltipComponent, VisualMapContinuousComponent, MarkLineComponent, AriaComponent,
-  SVGRenderer]);
+  LabelLayout, SVGRenderer]);
 
 // Okabe and Ito's colours, told apart in every kind of colour vision; dashes and symbols differ too.
 const light = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b08800", "#3b9ccc", "#6a4c93", "#8c4a2f", "#5f6b2d", "#777777"];
@@ -25,9 +26,9 @@ export const modelSymbol = (k) => symbols[k % symbols.length];
 
 export function palette() {
   return isDark() ? {text: "#e7e9ee", quiet: "#a3abba", line: "#5a6270", grid: "#30353f", back: "#1d2026",
-    truth: "#ffffff", band: "rgba(255,255,255,.22)"}
+    truth: "#ffffff", band: "rgba(255,255,255,.22)", edge: "rgba(255,255,255,.5)"}
                   : {text: "#1b1f27", quiet: "#586070", line: "#9aa1ad", grid: "#e3e6eb", back: "#ffffff",
-    truth: "#000000", band: "rgba(0,0,0,.18)"};
+    truth: "#000000", band: "rgba(0,0,0,.18)", edge: "rgba(0,0,0,.45)"};
 }
 
 const drawn = new Map();
@@ -89,7 +90,7 @@ export function legend(entries) {
   const draw = () => node.replaceChildren(...entries.map((e) => {
     const p = palette(), color = e.truth || e.band ? p.truth : e.color ?? modelColor(e.model);
     const dash = e.model === undefined || modelDash(e.model) === "solid" ? null : modelDash(e.model).join(" ");
-    const sign = e.band ? element("rect", {x: 2, y: 1, width: 28, height: 10, fill: p.band})
+    const sign = e.band ? element("rect", {x: 2, y: 1, width: 28, height: 10, fill: p.band, stroke: p.edge})
       : element("g", {}, e.lineless ? [] : element("line", {x1: 1, y1: 6, x2: 31, y2: 6, stroke: color, "stroke-width": 2.4,
         "stroke-dasharray": dash}), symbolPath(e.truth ? "circle" : e.symbol ?? modelSymbol(e.model), color));
     return element("li", {}, element("svg", {width: 32, height: 12, viewBox: "0 0 32 12", "aria-hidden": "true"}, sign), e.name);
@@ -111,13 +112,14 @@ export function tooltip(p, more = {}) {
 }
 
 // The band between two curves as one polygon; works on cartesian and polar axes.
-export function band(name, points, color, more = {}) {
+// Its edge is drawn too: a band thinner than a pixel is still there.
+export function band(name, points, color, edge, more = {}) {
   return {type: "custom", name, silent: true, clip: true, data: [[0, 0]], z: 1, tooltip: {show: false},
     encode: {x: -1, y: -1},
     renderItem: (params, api) => {
       const place = ([x, low, high], value) => api.coord(more.coordinateSystem === "polar" ? [value, x] : [x, value]);
       return {type: "polygon", silent: true, shape: {points: [...points.map((q) => place(q, q[2])),
-        ...[...points].reverse().map((q) => place(q, q[1]))]}, style: {fill: color}};
+        ...[...points].reverse().map((q) => place(q, q[1]))]}, style: {fill: color, stroke: edge, lineWidth: 1}};
     }, ...more};
 }
 

@@ -5,6 +5,7 @@ import {magnitudeScale, signedScale} from "./colors.js";
 import {cellAt, Disc} from "./disc.js";
 import {degrees, floats, percent, short, thetaOf} from "./numbers.js";
 import {heading} from "./heading.js";
+import {previews} from "./previews.js";
 import {stackDrawing} from "./stack.js";
 
 const orders = ["1", "2", "3", "4+", "all"];
@@ -118,13 +119,14 @@ export function compare(page, answer, details) {
 
   page.append(heading(answer, `${answer.stack.name}: closed forms against ground truth`, [
       `${answer.estimator} estimator`, answer.walks ? `${answer.walks.toLocaleString("en")} walks per direction` : "",
-      bound ? `tolerance ${answer.tolerance}` : "", answer.estimator_asked === "auto" ? `auto: ${answer.estimator_reason}` : "",
+      bound ? `tolerance ${short(answer.tolerance)}` : "", answer.estimator_asked === "auto" ? `auto: ${answer.estimator_reason}` : "",
       answer.interrupted ? "interrupted: what was done until then" : ""]),
     element("div", {class: "columns"},
       element("section", {}, element("h2", {}, "Stack"), drawing),
       element("section", {}, element("h2", {}, "Verdicts"),
-        element("p", {class: "quiet"}, "✓ agrees with the truth within its noise; ✗ differs, by the relative RMSE " +
-          "without the noise; ? too noisy to tell. Choose a cell to look at that lobe."), matrices)),
+        element("p", {class: "quiet"}, bound
+          ? "✓ agrees with the truth within its bound; ✗ differs, by the relative RMSE; ? the bound is too wide to tell. Choose a cell to look at that lobe."
+          : "✓ agrees with the truth within its noise; ✗ differs, by the relative RMSE without the noise; ? too noisy to tell. Choose a cell to look at that lobe."), matrices)),
     element("h2", {}, "Lobes"), controls,
     element("div", {class: "halves"}, polarFigure, planeFigure),
     element("h2", {}, "Hemisphere"),
@@ -133,10 +135,10 @@ export function compare(page, answer, details) {
       "the rim, radius sin θ_o, φ = 0 (the side of the light) on the right. The ring marks w_i; with a cross, the " +
       "straight-through direction −w_i. f in sr⁻¹ without the cosine, mean over each cell."),
     element("h2", {}, "Albedo"), albedoFigure,
-    element("h2", {}, "All numbers"), table);
-  if (details.previews) page.append(element("h2", {}, "Under light"), ...details.previews.map((p) =>
-    figure(p.title, "", element("img", {class: "preview", src: p.png, alt: p.title}))));
-
+    ...previews(answer.previews, details.previews), ...sideBySide(answer.side_by_side),
+    element("h2", {}, "All numbers"), element("p", {class: "quiet"}, bound
+      ? "z verdict: whether every cell is within the truth's bound; p is then 1 or 0."
+      : "z verdict: whether the differences in units of their standard errors could be chance, p the probability of larger ones; 1 % chance of any false ✗ in a page of true models."), table);
   function controlsNow() {
     const choose = (name) => (value) => { state[name] = value; show(name); };
     const list = [
@@ -183,7 +185,7 @@ export function compare(page, answer, details) {
       const at = (list) => polarAxes ? kept(list).map(([x, v]) => [v, x]) : kept(list);
       const where = polarAxes ? {coordinateSystem: "polar"} : {};
       return [
-        ...(points.length ? [band(bandName, envelope, p.band, where),
+        ...(points.length ? [band(bandName, envelope, p.band, p.edge, where),
           {type: "line", name: "truth", data: at(points), symbol: "circle", symbolSize: 5, z: 5, ...where,
             lineStyle: {color: p.truth, width: 1.6}, itemStyle: {color: p.truth}}] : []),
         ...curves.map(({name, m, points: q}) => ({type: "line", name, data: at(q), showSymbol: false, z: 4,
@@ -276,7 +278,9 @@ export function compare(page, answer, details) {
   }
 
   function showMatrices() {
-    matrices.replaceChildren(...answer.models.map((model, m) => {
+    const told = (m) => Object.entries(details.parameters?.[m] ?? answer.models[m].parameters)
+      .map(([k, v]) => `${k} = ${Array.isArray(v) ? v.join(", ") : short(v, 4)}`);
+    const rowsOf = (model, m) => {
       const rows = [];
       for (const side of ["reflect", "transmit"]) for (const order of orders) {
         if (!model.lobes.some((l) => l.side === side && l.order === order)) continue;
@@ -287,34 +291,33 @@ export function compare(page, answer, details) {
             const chosen = m === state.model && k === state.run && side === state.side && order === state.order;
             return element("td", {}, element("button", {class: `mark ${lobe.verdict}`, type: "button",
               "aria-pressed": String(chosen), title: `${names[m]}, θ_i ${degrees(r.theta_i)}, ${side} ${order}: ` +
-                verdictText(lobe), onclick: () => {
+                `${verdictText(lobe)}; energy ${short(ofChannel(lobe.energy_model), 4)}, truth ${short(ofChannel(lobe.energy_truth), 4)}; maximum ${short(lobe.max_error)} sr⁻¹`, onclick: () => {
                 Object.assign(state, {model: m, run: k, side, order});
                 show("cell");
               }}, shortVerdict(lobe)));
           })));
       }
-      const parameters = Object.entries(model.parameters).map(([k, v]) => `${k} = ${Array.isArray(v) ? v.join(", ") : short(v, 4)}`);
-      return element("div", {class: "model", "data-model": names[m]},
-        element("h3", {}, names[m],
-          model.ns_per_eval ? element("span", {class: "quiet"}, `${short(model.ns_per_eval)} ns per evaluation`) : null,
-          parameters.length ? element("span", {class: "quiet"}, parameters.join(", ")) : null),
-        scrolling(`Verdicts of ${names[m]}`, element("table", {class: "matrix"},
-          element("thead", {}, element("tr", {}, element("td", {}, "θ_i"), runs.map((r) =>
-            element("th", {scope: "col"}, degrees(r.theta_i) + (r.phi_i ? `, ${degrees(r.phi_i)}` : ""))))),
-          element("tbody", {}, rows))));
-    }));
-    if (!answer.models.length) matrices.replaceChildren(element("p", {}, "No closed form applies to this stack: name one with --model."));
+      return rows;
+    };
+    matrices.replaceChildren(answer.models.length ? scrolling("Verdicts", element("table", {class: "matrix"},
+      element("thead", {}, element("tr", {}, element("td", {}, "θ_i"), runs.map((r) =>
+        element("th", {scope: "col"}, degrees(r.theta_i) + (r.phi_i ? `, ${degrees(r.phi_i)}` : ""))))),
+      answer.models.map((model, m) => element("tbody", {class: "model", "data-model": names[m]},
+        element("tr", {}, element("th", {class: "name", scope: "rowgroup", colspan: runs.length + 1}, element("strong", {}, names[m]),
+          element("span", {class: "quiet"}, [model.ns_per_eval ? `${short(model.ns_per_eval)} ns per evaluation` : "", ...told(m)].filter(Boolean).join(", ")))),
+        rowsOf(model, m)))))
+      : element("p", {}, "No closed form applies to this stack: name one with --model."));
   }
 
   function showTable() {
-    const head = ["Model", "ns / eval", "θ_i", "Side", "Order", "Verdict", "Energy, truth", "±", "Energy, model", "Rel. RMSE",
-      "Without noise", "Max. error", "p"];
-    const text = new Set([0, 3, 4, 5]);
+    const head = ["Model", "θ_i", "Side", "Order", "z verdict", "Energy, truth", "±", "Energy, model", "Rel. RMSE",
+      "Without noise", "Maximum", "p", "ns / eval"];
+    const text = new Set([0, 2, 3, 4]);
     const rows = answer.models.flatMap((model, m) => model.lobes.map((l, k) => {
       const chosen = m === state.model && l === lobeOf(m);
       const number = (field, value, shown) => element("td", {"data-field": field, "data-value": value}, shown);
       return element("tr", {class: chosen ? "chosen" : null, "data-model": m, "data-lobe": k},
-        element("td", {class: "text"}, names[m]), number("ns_per_eval", model.ns_per_eval, short(model.ns_per_eval)),
+        element("td", {class: "text"}, names[m]),
         number("mu_i", l.mu_i, degrees(thetaOf(l.mu_i))),
         element("td", {class: "text"}, sideText[l.side]), element("td", {class: "text"}, l.order),
         element("td", {class: "text"}, element("span", {class: `mark ${l.verdict}`}, verdictText(l))),
@@ -324,7 +327,7 @@ export function compare(page, answer, details) {
         number("relative_rmse", l.relative_rmse, percent(l.relative_rmse)),
         number("relative_rmse_without_noise", l.relative_rmse_without_noise, percent(l.relative_rmse_without_noise)),
         number("max_error", l.max_error, short(l.max_error)),
-        number("p_value", l.p_value, short(l.p_value, 2)));
+        number("p_value", l.p_value, short(l.p_value, 2)), number("ns_per_eval", model.ns_per_eval, short(model.ns_per_eval)));
     }));
     table.replaceChildren(scrolling("All numbers", element("table", {id: "numbers"},
       element("thead", {}, element("tr", {}, head.map((h, k) => element("th", {scope: "col", class: text.has(k) ? "text" : null}, h)))),
@@ -345,6 +348,16 @@ export function compare(page, answer, details) {
     showTable();
   }
   show();
+}
+
+// Explicit geometry against the media that stand for it, and those against their closed forms.
+function sideBySide(rows) {
+  if (!rows?.length) return [];
+  const head = ["θ_i", "Order", "Medium", "Energy, geometry", "Energy, medium", "Medium off by", "Closed form", "Energy, model", "off the medium by", "off the geometry by"];
+  return [element("h2", {}, "Geometry, medium, closed form"), scrolling("Geometry, medium, closed form", element("table", {}, element("thead", {}, element("tr", {},
+    head.map((h) => element("th", {scope: "col"}, h)))), element("tbody", {}, rows.map((r) => element("tr", {}, [degrees(thetaOf(r.mu_i)), r.order, r.medium,
+      r.energy_geometry.toFixed(5), r.energy_medium.toFixed(5), percent(r.relative_rmse_of_medium), r.model ?? "–", r.model ? r.energy_model.toFixed(5) : "–",
+      percent(r.relative_rmse_of_model), percent(r.relative_rmse_of_both)].map((t) => element("td", {}, t)))))))];
 }
 
 // Two requests of one model get a number each, as their files do.

@@ -9,7 +9,7 @@ const marks = {pass: "✓ pass", fail: "✗ fail", inconclusive: "? inconclusive
 const symbols = {pass: "circle", fail: "rect", inconclusive: "diamond"};
 export const verdictMark = (v) => element("span", {class: `mark ${v}`}, marks[v]);
 
-export function furnace(page, answer) {
+export function furnace(page, answer, details) {
   const bound = answer.estimator === "deterministic";
   const models = answer.models, channels = (models ?? [answer])[0].runs[0].energy.length;
   const series = (models ?? [{name: answer.stack.name, runs: answer.runs}]);
@@ -23,15 +23,17 @@ export function furnace(page, answer) {
   const controls = element("section", {class: "controls", "aria-label": "What is shown"});
   const drawing = element("div", {class: "stack panel"});
 
-  page.append(heading(answer, `${answer.stack.name}: white furnace${models ? " of closed forms" : ""}`,
-      [answer.estimator ? `${answer.estimator} estimator` : "", answer.tolerance !== undefined ? `tolerance ${answer.tolerance}` : "",
+  // Most closed forms know of no stack.
+  const hasStack = !models || details?.needs_stack;
+  page.append(heading(answer, `${hasStack ? `${answer.stack.name}: w` : "W"}hite furnace${models ? ` of ${models.map((m) => m.name).join(", ")}` : ""}`,
+      [answer.estimator ? `${answer.estimator} estimator` : "", answer.tolerance !== undefined ? `tolerance ${short(answer.tolerance)}` : "",
         answer.interrupted ? "interrupted: what was done until then" : ""]),
     element("p", {class: "overall"}, verdictMark(answer.verdict), " ", answer.verdict === "pass"
       ? "No energy is lost or made." : answer.verdict === "fail" ? "Energy is lost or made, beyond the noise."
       : "What was cut off, or the noise, is more than the furnace may miss."));
   if (names.length > 1) page.append(controls);
-  page.append(element("div", {class: "columns"},
-      element("section", {}, element("h2", {}, "Stack"), drawing),
+  page.append(element("div", {class: hasStack ? "columns" : null},
+      hasStack ? element("section", {}, element("h2", {}, "Stack"), drawing) : null,
       element("section", {}, element("h2", {}, "Energy"), energyFigure)));
   if (!models) page.append(element("h2", {}, "Where the light goes"), figure("Ledger", "shares of the light that came in", [ledger, ledgerKey]));
   const table = element("div");
@@ -41,7 +43,7 @@ export function furnace(page, answer) {
   const parts = ["reflected", "transmitted", "uncollided", "absorbed", "unresolved"];
   function show() {
     const c = index();
-    energyKey.replaceChildren(legend([...series.map((s, m) => ({name: s.name, model: m, symbol: "circle"})),
+    energyKey.replaceChildren(legend([...series.map((s, m) => ({name: s.name, model: m, symbol: "none"})),
       ...(models ? [] : [{name: bound ? "± error bound" : "± 2 standard errors", color: "currentColor", symbol: "none"}]),
       {name: "pass", color: "currentColor", symbol: "circle", lineless: true}, {name: "fail", color: "currentColor", symbol: "rect", lineless: true},
       {name: "inconclusive", color: "currentColor", symbol: "diamond", lineless: true}]));

@@ -20,7 +20,7 @@ export function short(x, digits = 3) {
 export function percent(x) {
   if (typeof x !== "number") return x === "inf" ? "∞" : "–";
   const p = 100 * x;
-  return `${p >= 1000 ? short(p, 2) : Number(p.toPrecision(p >= 100 ? 3 : 2))} %`;
+  return `${p >= 1000 ? short(p, 2) : Number(p.toPrecision(p >= 100 ? 3 : p < .1 ? 1 : 2))} %`;
 }
 
 export function degrees(theta) { return `${Number(theta.toFixed(2))}°`; }

@@ -1,9 +1,9 @@
 // The page of `lamella sweep`: how an error, or a furnace, depends on parameters.
 import {element, choice, figure, scrolling} from "./dom.js";
 import {axis, chart, legend, modelColor, modelDash, modelSymbol, tooltip} from "./charts.js";
-import {viridisStops, divergingStops} from "./colors.js";
 import {degrees, mean, percent, short, thetaOf} from "./numbers.js";
 import {heading} from "./heading.js";
+import {heatMap} from "./heat.js";
 import {stackDrawing} from "./stack.js";
 
 const orders = ["1", "2", "3", "4+", "all"];
@@ -69,16 +69,10 @@ export function sweep(page, answer) {
     } else {
       key.replaceChildren();
       const cells = shown.map((q) => ({q, c: cellOf(q, state.model)})).filter(({c}) => c);
-      const most = Math.max(1e-12, ...cells.map(({c}) => Math.abs(c.value)).filter(Number.isFinite)), signed = state.quantity !== "error";
-      chart(plot, text, (p) => ({grid: {left: 76, right: 96, top: 16, bottom: 54},
-        tooltip: tooltip(p, {trigger: "item", formatter: ({data}) => `${axes[state.x].path} ${short(axes[state.x].values[data.value[0]])}<br>${axes[state.y].path} ${short(axes[state.y].values[data.value[1]])}<br>${asText(data.c.value)} ${data.c.verdict}`}),
-        xAxis: axis(p, axes[state.x].path, {type: "category", data: axes[state.x].values.map((v) => short(v)), axisLabel: {color: p.text}}),
-        yAxis: axis(p, axes[state.y].path, {type: "category", data: axes[state.y].values.map((v) => short(v)), nameGap: 50, axisLabel: {color: p.text}}),
-        visualMap: {type: "continuous", min: signed ? -most : 0, max: most, calculable: false, orient: "vertical", right: 4, top: "middle", itemHeight: 180,
-          inRange: {color: signed ? divergingStops : viridisStops}, textStyle: {color: p.text}, text: [asText(most), asText(signed ? -most : 0)], dimension: 2},
-        series: [{type: "heatmap", data: cells.map(({q, c}) => ({value: [q.at[state.x], q.at[state.y], Math.min(most, c.value)], c})),
-          itemStyle: {borderColor: p.back, borderWidth: 1},
-          label: {show: true, formatter: ({data}) => `${data.c.mark} ${asText(data.c.value)}`, color: "#fff", textBorderColor: "#000", textBorderWidth: 2.5, fontSize: 12}, labelLayout: {hideOverlap: true}}]}));
+      heatMap(plot, text, {x: {name: axes[state.x].path, values: axes[state.x].values.map((v) => short(v))},
+        y: {name: axes[state.y].path, values: axes[state.y].values.map((v) => short(v))}, signed: state.quantity !== "error", asText,
+        cells: cells.map(({q, c}) => ({i: q.at[state.x], j: q.at[state.y], value: c.value, mark: c.mark,
+          tip: `${axes[state.x].path} ${short(axes[state.x].values[q.at[state.x]])}<br>${axes[state.y].path} ${short(axes[state.y].values[q.at[state.y]])}<br>${asText(c.value)} ${c.verdict}`}))});
     }
     table.replaceChildren(scrolling("All numbers", element("table", {id: "numbers"}, element("thead", {}, element("tr", {}, axes.map((a) => element("th", {scope: "col"}, a.path)),
       series.map((s) => element("th", {scope: "col"}, s)))), element("tbody", {}, points.map((q, i) => element("tr", {"data-point": i}, q.at.map((k, a) => element("td", {}, short(axes[a].values[k], 4))),
