@@ -88,6 +88,9 @@ void measure_solver(const Stack& stack, double seconds, const ReportRow& report)
     row.extra["tolerance"] = tolerance;
     row.extra["bound"] = true;
     row.extra["reached"] = run.accuracy->reached;
+    row.extra["nodes"] = run.accuracy->nodes;
+    row.extra["modes"] = run.accuracy->modes;
+    row.extra["bytes"] = run.accuracy->bytes;
     report(std::move(row));
     // What the time did not allow is not to be had at a smaller tolerance.
     if (!run.accuracy->reached) return;

@@ -55,7 +55,7 @@ int simulate_command(const Options& options) {
   GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
   if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
-  for (std::size_t k = 0; k < truth.directions().size() && !interrupted; ++k)
+  for (std::size_t k = 0; k < truth.directions().size() && (k == 0 || !interrupted); ++k)
     runs.push_back(truth.find(k).run);
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
