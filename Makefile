@@ -13,7 +13,7 @@ FORMAT_PACKAGES := clang-format clang-tidy
 SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
 
 # `make test CCACHE=ccache`: a compiler cache in the place of precompiled headers, which it cannot
-# keep.
+# keep, and of groups of sources, which would be compiled anew for a change in one of them.
 CCACHE :=
 LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF -DLAMELLA_UNITY=OFF)
 

@@ -1,5 +1,7 @@
 #include "compare/base64.h"
 
+#include <cstdint>
+
 namespace lamella {
 
 std::string base64(std::string_view bytes) {

@@ -66,19 +66,19 @@ void measure_estimator(const Stack& stack, Estimator estimator, double seconds, 
   }
 }
 
+RunResult solved(const Stack& stack, double tolerance, double seconds) {
+  const Direction incident[] = {benchmark_incident()};
+  const DeterministicSolution solution =
+      solve_deterministic(stack, {.tolerance = kSolverShare * tolerance, .max_seconds = seconds});
+  return deterministic_runs(solution, make_plan(stack), incident, CellGrid{}, tolerance).front();
+}
+
 // The solver at ever smaller tolerances. Its error is a bound: the truth is within it.
 void measure_solver(const Stack& stack, double seconds, const ReportRow& report) {
   if (why_not_deterministic(stack)) return;
-  const Plan plan = make_plan(stack);
-  const Direction incident[] = {benchmark_incident()};
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
-    std::vector<RunResult> runs;
-    const double taken = seconds_of([&] {
-      const DeterministicSolution solution = solve_deterministic(
-          stack, {.tolerance = kSolverShare * tolerance, .max_seconds = seconds});
-      runs = deterministic_runs(solution, plan, incident, CellGrid{}, tolerance);
-    });
-    const RunResult& run = runs.front();
+    RunResult run;
+    const double taken = seconds_of([&] { run = solved(stack, tolerance, seconds); });
     const double error = noise_of(run.reflected.lobes[kTallyOrders]);
     if (error == 0) continue;
     BenchmarkRow row = row_of(stack.name, to_text(Estimator::deterministic), "deterministic",
@@ -102,11 +102,7 @@ Truth truth_of(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t 
   const Plan plan = make_plan(stack);
   Truth truth;
   if (!why_not_deterministic(stack)) {
-    const Direction incident[] = {benchmark_incident()};
-    const DeterministicSolution solution =
-        solve_deterministic(stack, {.tolerance = kSolverShare * kTruthTolerance,
-                                    .max_seconds = kTruthFactor * effort.accuracy_seconds});
-    truth.run = deterministic_runs(solution, plan, incident, CellGrid{}, kTruthTolerance).front();
+    truth.run = solved(stack, kTruthTolerance, kTruthFactor * effort.accuracy_seconds);
     if (truth.run.accuracy->reached) return truth;
   }
   truth.batches = std::make_unique<Simulation>(stack, plan, benchmark_incident(), Estimator::analog,

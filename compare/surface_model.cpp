@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "analytic/model.h"
 #include "phase/stack_file.h"
 #include "phase/surface_law.h"
@@ -30,11 +32,9 @@ class ModelLaw : public SurfaceLaw {
   std::shared_ptr<const Model> model_;
 };
 
-std::vector<std::string> surface_models() {
-  std::vector<std::string> names;
-  for (const ModelInfo& info : models())
-    if (!info.needs_stack && !info.transmits) names.push_back(info.name);
-  return names;
+// What the closed form of micrograins takes below them.
+const std::vector<std::string>& surface_models() {
+  return find(find_model("micrograin")->parameters, "bulk")->choices;
 }
 
 }  // namespace
@@ -42,11 +42,12 @@ std::vector<std::string> surface_models() {
 Stack with_surface_model(Stack stack) {
   if (!stack.substrate || stack.substrate->model.empty()) return stack;
   Substrate& s = *stack.substrate;
-  const ModelInfo* info = find_model(s.model);
-  if (!info || info->needs_stack || info->transmits)
+  const std::vector<std::string>& allowed = surface_models();
+  if (std::find(allowed.begin(), allowed.end(), s.model) == allowed.end())
     throw StackFileError(fmt::format(
         "{}: substrate: key \"bsdf\": found \"{}\"; allowed below micrograins: black, {}",
-        s.where.at("bsdf"), s.model, listed(surface_models())));
+        s.where.at("bsdf"), s.model, listed(allowed)));
+  const ModelInfo* info = find_model(s.model);
   Parameters complete;
   for (const auto& [key, value] : s.parameters.all()) {
     const ParameterInfo* parameter = find(info->parameters, key);

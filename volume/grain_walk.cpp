@@ -77,9 +77,10 @@ class Walker {
   }
   [[nodiscard]] bool survives(const Weights& kept, RandomStream& stream);
   void begin_targets(std::uint64_t index);
+  /// Next-event estimation: sent(wo) is f cos / |mu_o| per channel of what leaves `point` along wo.
+  template <class Sent>
+  void score(Direction point, const Sent& sent);
   void score(const DiffuseEvent& event, const Weights& kept);
-  /// The same for light that the substrate's law sends up.
-  void score_law(Direction point);
   void leave(Direction wo, bool after_mirror);
   /// The event at the substrate; false if the walk ends there.
   [[nodiscard]] bool reflect(const GrainHit& hit, RandomStream& stream);
@@ -146,34 +147,30 @@ void Walker<C>::begin_targets(std::uint64_t index) {
 }
 
 template <int C>
-void Walker<C>::score(const DiffuseEvent& event, const Weights& kept) {
+template <class Sent>
+void Walker<C>::score(Direction point, const Sent& sent) {
   if (scores_ != GrainScores::next_event && scores_ != GrainScores::points) return;
   const std::size_t count = directions_.size();
   double* sums = tally_.f.data() + order_slot(order_) * C * count;
   for (std::size_t k = 0; k < count; ++k) {
     const Direction wo = turned(directions_[k], cosine_, sine_);
     if (wo.z < 0 && s_.has_substrate) continue;
-    const double density = event.density(wo);
-    if (density <= 0 || !scene_->is_free(event.point, wo)) continue;
-    const double transport = density / std::abs(wo.z);
-    checksum_ += transport;
-    for (int c = 0; c < C; ++c) sums[c * count + k] += weight_[c] * kept[c] * transport;
+    const Weights f = sent(wo);
+    const double largest = *std::max_element(f.begin(), f.end());
+    if (largest <= 0 || !scene_->is_free(point, wo)) continue;
+    checksum_ += largest;
+    for (int c = 0; c < C; ++c) sums[c * count + k] += weight_[c] * f[c];
   }
 }
 
 template <int C>
-void Walker<C>::score_law(Direction point) {
-  if (scores_ != GrainScores::next_event && scores_ != GrainScores::points) return;
-  const std::size_t count = directions_.size();
-  double* sums = tally_.f.data() + order_slot(order_) * C * count;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Direction wo = turned(directions_[k], cosine_, sine_);
-    if (wo.z <= 0) continue;
-    const Rgb f = s_.substrate_law->eval(wi_, wo);
-    if (f.max() <= 0 || !scene_->is_free(point, wo)) continue;
-    checksum_ += f.max();
-    for (int c = 0; c < C; ++c) sums[c * count + k] += weight_[c] * f[c];
-  }
+void Walker<C>::score(const DiffuseEvent& event, const Weights& kept) {
+  score(event.point, [&](Direction wo) {
+    const double transport = event.density(wo) / std::abs(wo.z);
+    Weights f;
+    for (int c = 0; c < C; ++c) f[c] = kept[c] * transport;
+    return f;
+  });
 }
 
 template <int C>
@@ -223,12 +220,16 @@ bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
     wi_ = -event.sample(stream);
     return true;
   }
-  score_law(hit.point);
+  score(hit.point, [&](Direction wo) {
+    const Rgb value = s_.substrate_law->eval(wi_, wo);
+    Weights f;
+    for (int c = 0; c < C; ++c) f[c] = value[c];
+    return f;
+  });
   const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
   const auto sample = s_.substrate_law->sample(wi_, u1, u2, u3);
   for (int c = 0; c < C; ++c) kept[c] = sample ? sample->weight[c] : 0;
-  if (!survives(kept, stream)) return false;
-  if (!sample) return false;
+  if (!survives(kept, stream) || !sample) return false;
   wi_ = -sample->wo;
   return true;
 }
