@@ -24,6 +24,18 @@ const std::vector<SolvedStack>& solved_stacks() {
        "medium = \"sggx\"\nflake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 2\n"},
       {"sggx_slab", "medium = \"sggx\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 2\n"},
       {"vmf_halfspace", "medium = \"vmf_flake\"\nroughness = 0.5\nalbedo = 0.9\nthickness = inf\n"},
+      // The hard ends of the range.
+      {"hg_0.9_slab", "medium = \"henyey_greenstein\"\ng = 0.9\nalbedo = 0.9\nthickness = 4\n"},
+      {"sggx_lambert_0.05_slab",
+       "medium = \"sggx\"\nflake = \"lambert\"\nroughness = 0.05\nalbedo = 0.9\nthickness = 2\n"},
+      {"vmf_lambert_0.01_slab",
+       "medium = \"vmf_flake\"\nroughness = 0.01\nalbedo = 0.9\nthickness = 2\n"},
+      {"sggx_mirror_0.3_slab", "medium = \"sggx\"\nroughness = 0.3\nalbedo = 0.9\nthickness = 2\n"},
+      {"vmf_mirror_0.3_halfspace",
+       "medium = \"vmf_flake\"\nflake = \"mirror\"\nroughness = 0.3\nalbedo = 0.9\nthickness = "
+       "inf\n"},
+      {"sggx_mirror_0.05_slab",
+       "medium = \"sggx\"\nroughness = 0.05\nalbedo = 0.9\nthickness = 2\n"},
   };
   return list;
 }

@@ -14,9 +14,12 @@ using Eigen::ArrayXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Mean cosine above which a particle's forward peak is projected like a mirror's jump; below, the
-// nodes resolve it and the plain values converge faster.
-constexpr double kPeaked = 0.85;
+// Whether the nodes resolve a particle's forward peak: then plain values converge exponentially,
+// else it is projected like a mirror's jump.
+bool is_resolved(double g, const DirectionSets& sets) {
+  constexpr double kPeaked = 0.85, kNodesPerPeak = 4;
+  return g <= kPeaked || static_cast<double>(sets.nodes()) * (1 - g) >= kNodesPerPeak;
+}
 
 constexpr int kSignIn[4] = {1, 1, -1, -1};
 constexpr int kSignOut[4] = {1, -1, -1, 1};
@@ -79,8 +82,8 @@ KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& s
       return sampled(kernel_profile(m), 1, sets, modes, true);
     }
     KernelModes operator()(const HenyeyGreenstein& m) const {
-      return m.g > kPeaked ? projected(m, 1, sets, modes, true)
-                           : sampled(kernel_profile(m), 1, sets, modes, true);
+      return is_resolved(m.g, sets) ? sampled(kernel_profile(m), 1, sets, modes, true)
+                                    : projected(m, 1, sets, modes, true);
     }
   };
   return std::visit(Visitor{f0, sets, modes}, medium);

@@ -21,6 +21,9 @@ using Eigen::MatrixXd;
 const std::vector<double> kProbesIn{0.01, 0.07, 0.3, 0.6, 0.9};
 const std::vector<double> kProbesOut{0.01, 0.02, 0.13, 0.45, 0.6, 0.62, 1.0};
 
+// Of the brightest pair between two sides: where f is fainter, errors are relative to that.
+constexpr double kFaint = 1e-8;
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -29,7 +32,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 // directly instead; rest: all other orders from 2 up.
 struct ProbeModes {
   std::vector<Parts> second, rest;
-  Parts mean;  // over the azimuth, of all orders
+  Parts mean;                     // over the azimuth, of all orders
+  std::array<double, 4> faint{};  // kFaint of the brightest, by part
+
+  // What errors are relative to.
+  [[nodiscard]] double scale(int part, Index pair) const {
+    return std::max(mean[part](pair), faint[part]);
+  }
 };
 
 struct Limits {
@@ -74,15 +83,17 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
       const std::optional<Parts> counted = split ? split->counted(m) : std::nullopt;
       for (int part = 0; part < parts; ++part) {
         const Series& series = part_of(solved[k], part);
-        if (m == 0) result.mean[part] = asked(series[0], nodes);
+        if (m == 0) {
+          result.mean[part] = asked(series[0], nodes);
+          result.faint[part] = std::max(kFaint * result.mean[part].maxCoeff(), 1e-200);
+        }
         rest[part] = asked(series[0] - series[1], nodes);
         if (limits.steep) {
           second[part] = counted ? (*counted)[part] : asked(series[2], nodes);
           rest[part] -= second[part];
         }
         for (Index i = 0; i < rest[part].size(); ++i)
-          if (result.mean[part](i) > 1e-200)
-            size = std::max(size, 2 * std::abs(rest[part](i)) / result.mean[part](i));
+          size = std::max(size, 2 * std::abs(rest[part](i)) / result.scale(part, i));
       }
       result.rest.push_back(std::move(rest));
       if (limits.steep) result.second.push_back(std::move(second));
@@ -97,7 +108,7 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
   return result;
 }
 
-// Largest errors over all probes, relative to the mean of f over the azimuth.
+// Largest errors over all probes, relative to the scale of f.
 struct Errors {
   double nodes = 0;         // of all but order 2 of steep media
   double second_nodes = 0;  // of that order, where few enough of its modes are left out
@@ -109,8 +120,8 @@ Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, do
   double worst_rest = 0;
   for (int part = 0; part < parts; ++part)
     for (Index p = 0; p < fine.mean[part].size(); ++p) {
-      const double mean = fine.mean[part](p);
-      if (!(mean > 1e-200)) continue;
+      if (!(fine.mean[part](p) > 1e-200)) continue;
+      const double scale = fine.scale(part, p);
       struct One {
         double nodes = 0, left_out = 0;
       };
@@ -118,10 +129,10 @@ Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, do
         One one;
         std::vector<double> modes(b.size());
         for (std::size_t m = 0; m < b.size(); ++m) {
-          modes[m] = b[m][part](p) / mean;
+          modes[m] = b[m][part](p) / scale;
           // Modes that only one of the two has belong to the tail.
           if (m < a.size())
-            one.nodes += (m == 0 ? 1 : 2) * std::abs(b[m][part](p) - a[m][part](p)) / mean;
+            one.nodes += (m == 0 ? 1 : 2) * std::abs(b[m][part](p) - a[m][part](p)) / scale;
         }
         one.left_out = fit_mode_tail(modes).error;
         return one;
@@ -203,11 +214,12 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     const double begun = seconds_since(start);
     DeterministicAccuracy now;
     std::array<int, 3> mode_counts{};
+    std::array<std::array<double, 4>, 3> faint{};
     now.nodes = nodes;
     DeterministicLimit ended = DeterministicLimit::none;
     for (std::size_t k = 0; k < channels; ++k) {
       const int channel = solution.channels_[k];
-      const DirectionSets sets(nodes, kProbesOut, kProbesIn);
+      const DirectionSets sets(nodes, kProbesOut, kProbesIn, grazing_map(stack));
       StackModes modes(stack, channel, sets, solution.steep_ ? 2 : 1);
       std::optional<SecondSplit> split;
       if (solution.steep_) split.emplace(stack, channel, sets);
@@ -225,6 +237,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       now.second_error = std::max(now.second_error, errors.second_nodes);
       now.error = std::max(now.error, step == 0 ? 1 : errors.all);
       mode_counts[k] = static_cast<int>(fine.rest.size());
+      faint[k] = fine.faint;
       now.modes = std::max(now.modes, mode_counts[k]);
       now.bytes = std::max(now.bytes, modes.bytes());
       coarse[k] = std::move(fine);
@@ -234,6 +247,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     if (step == 0 || now.error <= error_before) {
       accuracy = now;
       solution.modes_ = mode_counts;
+      solution.faint_ = faint;
     }
     const double seconds = seconds_since(start);
     const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;

@@ -13,7 +13,7 @@
 namespace lamella {
 
 struct DeterministicOptions {
-  double tolerance = 1e-6;  ///< of f, relative to its mean over the azimuth
+  double tolerance = 1e-6;  ///< of f, relative to DeterministicField::scale
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
   int max_nodes = 256;
   int max_modes = 1024;     ///< azimuthal modes
@@ -34,7 +34,7 @@ enum class DeterministicLimit { none, nodes, modes, time, memory, interrupted };
 struct DeterministicAccuracy {
   bool reached = false;                                 ///< whether error <= tolerance
   DeterministicLimit limit = DeterministicLimit::none;  ///< what stopped it short of that
-  /// Of f, relative to its mean over the azimuth: the largest change under the last refinement of
+  /// Of f, relative to DeterministicField::scale: the largest change under the last refinement of
   /// the nodes at probe directions (mu from 0.01 to 1, both grazing and straight on among them),
   /// plus what the azimuthal modes left out would add. DeterministicValue carries each pair's own.
   double error = 0;
@@ -84,6 +84,10 @@ class DeterministicField {
   [[nodiscard]] double mode(int channel, int order, int m, std::size_t i, std::size_t o) const;
   /// Mean over the azimuth of all orders, the first included.
   [[nodiscard]] double mean(int channel, std::size_t i, std::size_t o) const;
+  /// What errors are relative to: the mean, or a hundred-millionth of the brightest probe's between
+  /// the same two sides where that is more (one-sided flakes seen from behind scatter as good as
+  /// nothing).
+  [[nodiscard]] double scale(int channel, std::size_t i, std::size_t o) const;
   [[nodiscard]] int modes(int channel) const;
 
  private:
@@ -124,9 +128,10 @@ class DeterministicSolution {
   DeterministicAccuracy accuracy_;
   double tolerance_ = 0;
   bool steep_ = false;
-  std::vector<int> channels_;        // distinct ones
-  std::array<int, 3> channel_of_{};  // index into channels_
-  std::array<int, 3> modes_{};       // per distinct channel
+  std::vector<int> channels_;                     // distinct ones
+  std::array<int, 3> channel_of_{};               // index into channels_
+  std::array<int, 3> modes_{};                    // per distinct channel
+  std::array<std::array<double, 4>, 3> faint_{};  // likewise, and per pair of sides
 };
 
 /// Why the method does not apply, if it does not: the stack is not symmetric about z, or holds

@@ -28,6 +28,7 @@ struct OrderModes {
 struct DeterministicField::Channel {
   std::vector<OrderModes> modes;
   Parts mean;  // of all orders
+  std::array<double, 4> faint;
   Cosines in, out;
   std::vector<int> sign_in, sign_out;
   std::optional<SecondOrder> second;  // of steep media

@@ -137,6 +137,11 @@ double DeterministicField::mean(int channel, std::size_t i, std::size_t o) const
                               static_cast<Index>(c.in.place[i]));
 }
 
+double DeterministicField::scale(int channel, std::size_t i, std::size_t o) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  return std::max(mean(channel, i, o), c.faint[c.part(i, o)]);
+}
+
 int DeterministicField::modes(int channel) const {
   return static_cast<int>(channels_[channel_of_[channel]]->modes.size());
 }
@@ -185,9 +190,9 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       now = next;
     }
     Sums& sum = sums[k];
-    const double mean = c.mean[part](row, column);
+    const double scale = std::max(c.mean[part](row, column), c.faint[part]);
     const ModeTail second_tail = fit_mode_tail(seconds), third_tail = fit_mode_tail(thirds);
-    sum.error = error_ * mean + fit_mode_tail(others).error;
+    sum.error = error_ * scale + fit_mode_tail(others).error;
     // Sums of modes alone owe the whole tail.
     const auto whole = [](const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; };
     const double left_out = may_integrate ? second_tail.error : whole(second_tail);
@@ -198,15 +203,15 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       sum.error += whole(third_tail);
     }
     if (may_integrate && c.second &&
-        (left_out > tolerance_ / 4 * mean || is_second_integrated(second_error_, tolerance_))) {
+        (left_out > tolerance_ / 4 * scale || is_second_integrated(second_error_, tolerance_))) {
       const SecondOrder::Value direct =
-          (*c.second)(at(mu_i_[i], 0), at(mu_o_[o], kPi - x), tolerance_ / 20 * mean);
+          (*c.second)(at(mu_i_[i], 0), at(mu_o_[o], kPi - x), tolerance_ / 20 * scale);
       second = direct.f;
       sum.error += direct.error;
       sum.exact = true;
     } else {
       if (may_integrate) second += second_tail.sum(x);
-      sum.error += left_out + (c.second ? second_error_ * mean : 0);
+      sum.error += left_out + (c.second ? second_error_ * scale : 0);
     }
     sum.order = {0, second + second_rest, third, higher, second + second_rest + third + higher};
   }
@@ -232,11 +237,12 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
   field.error_ = accuracy_.node_error;
   field.second_error_ = accuracy_.second_error;
   for (std::size_t k = 0; k < channels_.size(); ++k) {
-    auto channel = std::make_shared<DeterministicField::Channel>(
-        DeterministicField::Channel{{}, {}, Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt});
+    auto channel = std::make_shared<DeterministicField::Channel>(DeterministicField::Channel{
+        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt});
     for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
     for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
-    const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct);
+    const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
+                             grazing_map(stack_));
     const Index nodes = sets.nodes();
     StackModes modes(stack_, channels_[k], sets, 3);
     std::optional<SecondSplit> split;
@@ -290,7 +296,8 @@ std::vector<DeterministicEnergies> DeterministicSolution::energies(
   std::vector<DeterministicEnergies> result(mu_i.size());
   const Cosines in(mu_i);
   for (std::size_t k = 0; k < channels_.size(); ++k) {
-    StackModes modes(stack_, channels_[k], DirectionSets(accuracy_.nodes, {}, in.distinct), 3);
+    StackModes modes(stack_, channels_[k],
+                     DirectionSets(accuracy_.nodes, {}, in.distinct, grazing_map(stack_)), 3);
     modes.prepare(1);
     const LayerOperator op = modes.mode(0);
     const Index nodes = modes.sets().nodes();

@@ -14,7 +14,7 @@ namespace lamella {
 namespace {
 
 // Panels in mu that hold whole rows of cells, and how many points the first round gives each.
-constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 24;
+constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 48;
 // Shares of the tolerance for the quadratures in mu and of order 1.
 constexpr double kQuadratureShare = 0.1;
 constexpr int kModeOrders = 3;  // orders 2, 3, 4+
@@ -110,7 +110,7 @@ double series_error(const Eigen::VectorXd& coefficients, bool one_row) {
 // Means over one row of cells.
 struct RowModes {
   std::array<std::vector<double>, kModeOrders> mode;  // of orders 2, 3, 4+
-  double mean = 0;                                    // over the azimuth, all orders
+  double scale = 0;                                   // what errors are relative to
   double error = 0;                                   // of all orders together, but order 1
 };
 
@@ -177,9 +177,9 @@ class RowSampler {
             std::size_t first) {
     const int n = panel.points, rows = panel.end_row - panel.first_row;
     const int modes = field.modes(channel);
-    Eigen::VectorXd mean(n), error(n);
+    Eigen::VectorXd scale(n), error(n);
     for (int j = 0; j < n; ++j) {
-      mean[j] = field.mean(channel, i, first + j);
+      scale[j] = field.scale(channel, i, first + j);
       error[j] = field.multiple(i, first + j, 0).error[channel];
     }
     // One row's mean is Gauss's rule for f times its weight, which is smooth where f is not: f
@@ -198,17 +198,17 @@ class RowSampler {
       left += (m == 0 ? 1 : 2) *
               series_error(transform * weight.cwiseProduct(values.rowwise().sum()), rows == 1);
     }
-    const Eigen::VectorXd row_mean = weights * mean, row_error = weights.cwiseAbs() * error;
+    const Eigen::VectorXd row_scale = weights * scale, row_error = weights.cwiseAbs() * error;
     for (int r = 0; r < rows; ++r) {
       RowModes& row = rows_[index(i, channel, up, panel.first_row + r)];
-      row.mean = row_mean[r];
+      row.scale = row_scale[r];
       row.error = row_error[r] + left;
       for (int order = 0; order < kModeOrders; ++order) {
         row.mode[order].resize(modes);
         for (int m = 0; m < modes; ++m) row.mode[order][m] = means[m](r, order);
       }
     }
-    return left <= kQuadratureShare * tolerance_ * row_mean.minCoeff();
+    return left <= kQuadratureShare * tolerance_ * row_scale.minCoeff();
   }
 
   const DeterministicSolution& solution_;
@@ -263,7 +263,7 @@ struct Assembly {
   int channels;
   double tolerance;
 
-  // The lobes of one side; returns the largest error of a cell relative to the mean of its row.
+  // The lobes of one side; returns the largest error of a cell relative to the scale of its row.
   double lobes(SideResult& side, std::size_t i, Direction wi, bool up) const {
     const std::size_t cells = grid.cells();
     for (LobeEstimate& lobe : side.lobes) {
@@ -274,7 +274,7 @@ struct Assembly {
     for (int row = 0; row < grid.rows(); ++row)
       for (int c = 0; c < 3; ++c)
         allowed[row][c] = kQuadratureShare * std::max(tolerance, 1e-12) *
-                          sampler.row(i, std::min(c, channels - 1), up, row).mean;
+                          sampler.row(i, std::min(c, channels - 1), up, row).scale;
     const std::vector<CellMean> single =
         single_scattering_cells(solution.stack(), grid, wi, up, allowed);
     double worst = 0;
@@ -300,7 +300,7 @@ struct Assembly {
           const double error = means.error + single[cell].error[c];
           side.lobes[kTallyOrders].value[k] = all;
           side.lobes[kTallyOrders].standard_error[k] = error;
-          if (means.mean > 0) worst = std::max(worst, error / means.mean);
+          if (means.scale > 0) worst = std::max(worst, error / means.scale);
         }
       }
     }

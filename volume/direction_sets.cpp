@@ -22,12 +22,14 @@ VectorXd joined(const VectorXd& nodes, const std::vector<double>& extra) {
 }  // namespace
 
 DirectionSets::DirectionSets(int nodes, const std::vector<double>& extra_out,
-                             const std::vector<double>& extra_in) {
-  const Quadrature rule = grazing_quadrature(nodes);
+                             const std::vector<double>& extra_in, const GrazingMap& grazing_map)
+    : map(grazing_map) {
+  const Quadrature rule = grazing_quadrature(nodes, map);
   out = joined(rule.points, extra_out);
   in = joined(rule.points, extra_in);
-  weight = rule.weights;
-  flux = 2 * kPi * rule.points.cwiseProduct(rule.weights);
+  // Uniform radiance must carry exactly pi, or a Lambertian substrate would not keep its energy.
+  weight = rule.weights / (2 * rule.points.dot(rule.weights));
+  flux = 2 * kPi * rule.points.cwiseProduct(weight);
 }
 
 }  // namespace lamella

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "volume/quadrature.h"
+
 namespace lamella {
 
 /// The directions that one solution works with: quadrature nodes first, then directions that are
@@ -13,8 +15,10 @@ struct DirectionSets {
   Eigen::VectorXd weight;  ///< of the nodes, for the integral over mu in (0, 1)
   Eigen::VectorXd flux;    ///< 2 pi mu weight: radiance of mode 0 to irradiance
 
+  GrazingMap map;  ///< of the nodes
+
   DirectionSets(int nodes, const std::vector<double>& extra_out,
-                const std::vector<double>& extra_in);
+                const std::vector<double>& extra_in, const GrazingMap& grazing_map = {});
 
   [[nodiscard]] Eigen::Index nodes() const { return weight.size(); }
 };

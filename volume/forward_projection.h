@@ -12,12 +12,12 @@ namespace lamella {
 
 /// Replaces the parts of a mirror medium's kernel that send light on (down to down, up to up).
 /// There K jumps at w_o = -w_i, so that K_m has a kink at mu_o = mu_i and its values at the nodes
-/// make a quadrature of second order only. With mu = u^3, radiance times u is taken as a
-/// polynomial l_j(u) through the nodes, and the node values are replaced by those that make the
-/// discrete sums exact for such radiance: Galerkin's moments
-///   K_ij = integral of l_i(u) 3 u u' K l_j(u') du du' / (3 u_i u_j g_i g_j)
+/// make a quadrature of second order only. With mu(u) and its slope s(u) (GrazingMap), radiance
+/// times u is taken as a polynomial l_j(u) through the nodes, and the node values are replaced by
+/// those that make the discrete sums exact for such radiance: Galerkin's moments, with v = s / u,
+///   K_ij = integral of l_i(u) v(u) K v(u') l_j(u') du du' / (v_i g_i v_j g_j)
 /// between nodes (g: weights in u; symmetric, so that reciprocity stays exact), and
-///   K_oj = integral of K(mu_o, u') 3 u' l_j(u') du' / (3 u_j g_j)
+///   K_oj = integral of K(mu_o, u') v(u') l_j(u') du' / (v_j g_j)
 /// towards directions that are asked for, on both sides of the kink apart. Values between two
 /// directions that are asked for stay.
 template <class P>
@@ -31,7 +31,8 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
   const Quadrature& nodes = cached_gauss_legendre(n);
   const Quadrature& fine = cached_gauss_legendre(n + n / 2 + 8);
   const Index q = fine.points.size();
-  const VectorXd scale = nodes.points.cwiseProduct(nodes.weights).cwiseInverse();
+  const auto v = [&](double u) { return sets.map.slope(u) / u; };
+  const VectorXd scale = nodes.points.unaryExpr(v).cwiseProduct(nodes.weights).cwiseInverse();
   ArrayXd values(modes);
   const auto part_of = [&](int m, int part) -> MatrixXd& {
     return m < modes ? kernel.modes[m][part] : kernel.white[part];
@@ -40,7 +41,7 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
   const auto row = [&](double mu, const VectorXd& u, const VectorXd& weight, bool mu_is_out) {
     MatrixXd samples(modes + 1, u.size());
     for (Index k = 0; k < u.size(); ++k) {
-      const double other = u[k] * u[k] * u[k];
+      const double other = sets.map.mu(u[k]);
       double white = 0;
       pair_modes(profile, f0, mu_is_out ? other : mu, mu_is_out ? -mu : -other, values, white);
       samples.col(k).head(modes) = weight[k] * values.matrix();
@@ -55,11 +56,13 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
   for (Index k = 0; k < q; ++k) {
     const double u = fine.points[k];
     const VectorXd inner = u * fine.points;
-    const VectorXd weight = 3 * u * u * fine.weights[k] * fine.weights.cwiseProduct(inner);
+    const VectorXd weight =
+        u * v(u) * fine.weights[k] * fine.weights.cwiseProduct(inner.unaryExpr(v));
     const MatrixXd lagrange = lagrange_values(nodes, inner);
-    const MatrixXd larger_in = row(u * u * u, inner, weight, false) * lagrange;
+    const double mu = sets.map.mu(u);
+    const MatrixXd larger_in = row(mu, inner, weight, false) * lagrange;
     const MatrixXd larger_out =
-        two_sided ? larger_in : MatrixXd(row(u * u * u, inner, weight, true) * lagrange);
+        two_sided ? larger_in : MatrixXd(row(mu, inner, weight, true) * lagrange);
     for (int m = 0; m <= modes; ++m) {
       moments[m].noalias() += larger_in.row(m).transpose() * outer.row(k);
       moments[m].noalias() += outer.row(k).transpose() * larger_out.row(m);
@@ -67,15 +70,15 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
   }
   for (int m = 0; m <= modes; ++m)
     part_of(m, kAboveToDown).topLeftCorner(n, n) =
-        scale.asDiagonal() * moments[m] * scale.asDiagonal() / 3;
+        scale.asDiagonal() * moments[m] * scale.asDiagonal();
 
   // Nodes and directions that are asked for.
   const auto asked = [&](double mu, bool mu_is_out) {
-    const double u = std::cbrt(mu);
+    const double u = sets.map.parameter(mu);
     VectorXd points(2 * q), weight(2 * q);
     points << u * fine.points, u + (1 - u) * fine.points.array();
     weight << u * fine.weights, (1 - u) * fine.weights;
-    weight = weight.cwiseProduct(points);
+    weight = weight.cwiseProduct(points.unaryExpr(v));
     return MatrixXd(row(mu, points, weight, mu_is_out) * lagrange_values(nodes, points) *
                     scale.asDiagonal());
   };

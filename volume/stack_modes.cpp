@@ -4,6 +4,14 @@
 
 namespace lamella {
 
+GrazingMap grazing_map(const Stack& stack) {
+  constexpr double kPeaked = 0.6, kKnee = 0.15;
+  for (const Layer& layer : stack.layers)
+    if (const auto* hg = std::get_if<HenyeyGreenstein>(&layer.medium))
+      if (std::abs(hg->g) > kPeaked) return GrazingMap(kKnee);
+  return {};
+}
+
 StackModes::StackModes(const Stack& stack, int channel, DirectionSets sets, int orders)
     : stack_(stack), channel_(channel), sets_(std::move(sets)), orders_(orders) {
   for (const Layer& layer : stack.layers) {

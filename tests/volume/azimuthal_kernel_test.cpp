@@ -21,6 +21,23 @@ TEST(Quadrature, GaussLegendreIntegratesPolynomialsExactly) {
   }
 }
 
+TEST(Quadrature, GrazingMapsReachFromGrazingToTheNormal) {
+  for (const GrazingMap& map : {GrazingMap(), GrazingMap(0.15), GrazingMap(0.5)}) {
+    EXPECT_EQ(map.mu(0), 0);
+    EXPECT_NEAR(map.mu(1), 1, 1e-15);
+    for (const double u : {1e-4, 0.0074, 0.0076, 0.1, 0.5, 0.99}) {
+      EXPECT_NEAR(map.parameter(map.mu(u)) / u, 1, 1e-13) << u;
+      const double h = 1e-5 * u;
+      // The difference quotient's own error: 1e-10 of the curvature, rounding over h.
+      EXPECT_NEAR((map.mu(u + h) - map.mu(u - h)) / (2 * h * map.slope(u)), 1, 1e-9) << u;
+    }
+    // The mean of mu log mu, as radiance behaves at grazing.
+    const Quadrature rule = grazing_quadrature(48, map);
+    EXPECT_NEAR(rule.weights.dot((rule.points.array() * rule.points.array().log()).matrix()), -0.25,
+                1e-10);
+  }
+}
+
 // Directions that are asked for carry the kernel itself, so that its series must give back sigma p.
 TEST(AzimuthalKernel, SeriesOfModesGivesBackThePhaseFunction) {
   const int modes = 400;

@@ -88,6 +88,16 @@ TEST(Deterministic, LambertSpheresAreStableToEightDigitsUnderRefinement) {
   }
 }
 
+TEST(Deterministic, NarrowPeaksAndFlakesReachEightDigits) {
+  for (const auto& [medium, nodes] :
+       {std::pair{henyey_greenstein(0.8), 64}, std::pair{sggx(0.05, "lambert"), 128}}) {
+    const DeterministicSolution s =
+        solve_deterministic(stack_of(layer(medium, 0.9, 1.5)),
+                            {.tolerance = 1e-8, .min_nodes = nodes / 4 * 3, .max_nodes = nodes});
+    EXPECT_TRUE(s.accuracy().reached) << medium << ' ' << s.accuracy().error;
+  }
+}
+
 // Mirror flakes at their hard places: both directions grazing, straight on and close to it.
 const double kHardPairs[][3] = {{0.01, 0.01, 0},  {0.01, 0.02, 0.3}, {0.07, 0.13, 0},
                                 {0.6, 0.45, 2},   {0.6, -0.6, 0},    {0.6, -0.58, 0.01},
