@@ -65,7 +65,7 @@ export function bench(page, answer) {
               data: mine.map((r, i) => ({value: [r.ns_per_eval, r.error], row: r, label: {show: i === 0 && width > 560}})),
               lineStyle: {color: modelColor(k), type: modelDash(k), width: mine.length > 1 ? 2 : 0}, itemStyle: {color: modelColor(k)},
               label: {formatter: m, position: "right", distance: 9, color: p.text, textBorderColor: p.back, textBorderWidth: 2},
-              labelLine: {show: true, lineStyle: {color: p.quiet}}, labelLayout: layout}];
+              labelLayout: layout}];
         })],
     }); });
     front.replaceChildren(scrolling("The Pareto front", element("table", {id: "front"}, element("thead", {}, element("tr", {},

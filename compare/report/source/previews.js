@@ -2,6 +2,9 @@
 import {element} from "./dom.js";
 import {percent, short} from "./numbers.js";
 
+// A name that may be broken after its underscores.
+const breakable = (name) => name.split("_").flatMap((word, k) => k ? ["_", element("wbr"), word] : [word]);
+
 export function previews(answer, details) {
   if (!details) return [];
   const gradient = `linear-gradient(to right, ${details.colors.join(", ")})`;
@@ -12,7 +15,7 @@ export function previews(answer, details) {
       const shot = (src, alt) => element("img", {src, alt, width: view.width, height: view.height});
       return element("figure", {class: "panel"}, element("figcaption", {}, view.title[0].toUpperCase() + view.title.slice(1)),
         element("div", {class: "shots"}, view.pictures.map((p, k) => element("div", {class: "shot", "data-picture": pictures[k].name},
-          element("p", {}, element("strong", {}, pictures[k].name), element("span", {class: "quiet", "data-field": "mean_luminance", "data-value": pictures[k].mean_luminance},
+          element("p", {}, element("strong", {}, breakable(pictures[k].name)), element("span", {class: "quiet", "data-field": "mean_luminance", "data-value": pictures[k].mean_luminance},
             ` mean luminance ${short(pictures[k].mean_luminance, 4)}` + (k && truth > 0 ? ` (${pictures[k].mean_luminance < truth ? "−" : "+"}${percent(Math.abs(pictures[k].mean_luminance / truth - 1))})` : ""))),
           shot(p.png, `${view.title}: ${pictures[k].name}`),
           p.difference ? shot(p.difference, `${view.title}: ${pictures[k].name} less the truth, at most ${short(view.limit)}`) : null))),
