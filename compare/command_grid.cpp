@@ -128,7 +128,7 @@ int check_spheres(const Options& options, const Parameters& parameters) {
                        static_cast<int>(parameters.number("voxels")), options.seed);
   if (!options.quiet)
     fmt::print(table_stream(options),
-               "{} spheres in {} cubes, level sets of OpenVDB {}\n"
+               "{} spheres in {} beds, level sets of OpenVDB {}\n"
                "volume fraction {:.5f} +- {:.5f}; 1 - exp(-packing) = {:.5f}, {:.5f} through the "
                "level set's blur\n"
                "area density    {:.5g} +- {:.2g} 1/mm; 3 packing / radius exp(-packing) = {:.5g}, "

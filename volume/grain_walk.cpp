@@ -6,6 +6,7 @@
 
 #include "phase/fresnel.h"
 #include "phase/sampling.h"
+#include "volume/path_weight.h"
 #include "volume/walk.h"
 
 namespace lamella {
@@ -72,10 +73,9 @@ class Walker {
   void walk(std::uint64_t index);
 
  private:
-  void add(std::array<double, 3>& sums) const {
-    for (int c = 0; c < C; ++c) sums[c] += weight_[c];
+  [[nodiscard]] bool survives(const Weights& kept, RandomStream& stream) {
+    return weight_.survives(kept, order_, tally_.energy, stream);
   }
-  [[nodiscard]] bool survives(const Weights& kept, RandomStream& stream);
   void begin_targets(std::uint64_t index);
   /// Next-event estimation: sent(wo) is f cos / |mu_o| per channel of what leaves `point` along wo.
   template <class Sent>
@@ -97,37 +97,12 @@ class Walker {
   double cosine_ = 1, sine_ = 0;
 
   // Of the walk under way.
-  Weights weight_{};
+  PathWeight<C> weight_;
   Direction wi_{};  // as the tile sees it
   std::uint64_t order_ = 0;
   bool after_mirror_ = false;
   double checksum_ = 0;
 };
-
-template <int C>
-bool Walker<C>::survives(const Weights& kept, RandomStream& stream) {
-  Weights on;
-  double before = 0, after = 0;
-  for (int c = 0; c < C; ++c) {
-    on[c] = weight_[c] * kept[c];
-    before = std::max(before, weight_[c]);
-    after = std::max(after, on[c]);
-  }
-  if (order_ >= kTallyOrders || after == 0) {
-    // Survival with chance after / before.
-    if (after < before && stream.uniform() * before >= after) {
-      add(tally_.energy.absorbed);
-      return false;
-    }
-    if (after < before)
-      for (int c = 0; c < C; ++c) on[c] *= before / after;
-  }
-  for (int c = 0; c < C; ++c) {
-    tally_.energy.absorbed[c] += weight_[c] - on[c];
-    weight_[c] = on[c];
-  }
-  return true;
-}
 
 template <int C>
 void Walker<C>::begin_targets(std::uint64_t index) {
@@ -159,7 +134,7 @@ void Walker<C>::score(Direction point, const Sent& sent) {
     const double largest = *std::max_element(f.begin(), f.end());
     if (largest <= 0 || !scene_->is_free(point, wo)) continue;
     checksum_ += largest;
-    for (int c = 0; c < C; ++c) sums[c * count + k] += weight_[c] * f[c];
+    for (int c = 0; c < C; ++c) sums[c * count + k] += weight_.value[c] * f[c];
   }
 }
 
@@ -177,7 +152,7 @@ template <int C>
 void Walker<C>::leave(Direction wo, bool after_mirror) {
   // Next-event estimation has counted all light but what a mirror sent out.
   if (scores_ == GrainScores::analog || (scores_ == GrainScores::next_event && after_mirror))
-    AnalogScorer<C>(targets_, tally_).leave(wo, weight_, order_, after_mirror);
+    AnalogScorer<C>(targets_, tally_).leave(wo, weight_.value, order_, after_mirror);
 }
 
 template <int C>
@@ -239,7 +214,7 @@ void Walker<C>::walk(std::uint64_t index) {
   RandomStream stream(s_.seed, index, StreamPurpose::walk);
   begin_targets(index);
   EnergySums& energy = tally_.energy;
-  weight_.fill(1);
+  weight_ = {};
   order_ = 0;
   after_mirror_ = false;
   checksum_ = 0;
@@ -249,21 +224,21 @@ void Walker<C>::walk(std::uint64_t index) {
   for (;;) {
     const GrainHit hit = scene_->trace(point, -wi_);
     if (hit.end == RayEnd::lost) {
-      add(energy.unresolved);
+      weight_.add_to(energy.unresolved);
       break;
     }
     if (hit.end == RayEnd::up || (hit.end == RayEnd::down && !s_.has_substrate)) {
       const bool up = hit.end == RayEnd::up;
       if (order_ == 0) {
-        add(energy.uncollided);
+        weight_.add_to(energy.uncollided);
       } else {
-        add((up ? energy.up : energy.down)[order_slot(order_)]);
+        weight_.add_to((up ? energy.up : energy.down)[order_slot(order_)]);
         leave(turned(-wi_, cosine_, -sine_), after_mirror_);
       }
       break;
     }
     if (order_ == s_.max_order) {
-      add(energy.unresolved);
+      weight_.add_to(energy.unresolved);
       break;
     }
     ++order_;
@@ -277,7 +252,7 @@ void Walker<C>::walk(std::uint64_t index) {
   }
   ++tally_.walks;
   double check = wi_.x + wi_.y + wi_.z + point.x + point.y + point.z + checksum_;
-  for (int c = 0; c < C; ++c) check += weight_[c];
+  for (int c = 0; c < C; ++c) check += weight_.value[c];
   if (!std::isfinite(check)) throw NonFiniteError(s_.seed, index, s_.incident);
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "volume/grid_march.h"
+#include "volume/path_weight.h"
 #include "volume/simulation.h"
 #include "volume/walk.h"
 
@@ -231,39 +232,12 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
   EnergySums& energy = tally.energy;
   const int last = static_cast<int>(stack.layers.size()) - 1;
   Direction wi = incident;  // points back to where the light comes from
-  std::array<double, C> weight;
-  weight.fill(1);
+  PathWeight<C> weight;
   Place at{wi.z > 0 ? 0 : last, stack.tile_x * stream.uniform(), stack.tile_y * stream.uniform(),
            0};
   if (wi.z < 0) at.z = stack.layers[last].thickness;
   std::uint64_t order = 0;
   bool only_delta = true, last_delta = false;
-
-  const auto add = [&](std::array<double, 3>& sums) {
-    for (int c = 0; c < C; ++c) sums[c] += weight[c];
-  };
-  const auto survives = [&](const std::array<double, C>& kept) {
-    std::array<double, C> on;
-    double before = 0, after = 0;
-    for (int c = 0; c < C; ++c) {
-      on[c] = weight[c] * kept[c];
-      before = std::max(before, weight[c]);
-      after = std::max(after, on[c]);
-    }
-    if (order >= kTallyOrders || after == 0) {
-      if (after < before && stream.uniform() * before >= after) {
-        add(energy.absorbed);
-        return false;
-      }
-      if constexpr (C == 1) return true;
-      for (int c = 0; c < C; ++c) on[c] *= before / after;
-    }
-    for (int c = 0; c < C; ++c) {
-      energy.absorbed[c] += weight[c] - on[c];
-      weight[c] = on[c];
-    }
-    return true;
-  };
 
   for (;;) {
     double remaining = stream.exponential();
@@ -309,19 +283,19 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
     const bool collides = flight.end == Flight::collided;
     if (!endless && !collides && !(down && stack.has_substrate)) {  // leaves the stack
       if (order == 0) {
-        add(energy.uncollided);
+        weight.add_to(energy.uncollided);
       } else {
         auto& side = down ? energy.down : energy.up;
-        add(side[order_slot(order)]);
+        weight.add_to(side[order_slot(order)]);
         if (only_delta)
-          add(down ? energy.specular_down : energy.specular_up);
+          weight.add_to(down ? energy.specular_down : energy.specular_up);
         else
-          scorer.leave(-wi, weight, order, last_delta);
+          scorer.leave(-wi, weight.value, order, last_delta);
       }
       break;
     }
     if (endless || order == stack.max_order) {
-      add(energy.unresolved);
+      weight.add_to(energy.unresolved);
       break;
     }
     ++order;
@@ -333,8 +307,8 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       at.layer = last;
       at.z = stack.layers[last].thickness;
       const SubstrateEvent event;
-      scorer.event(at, event, weight, nullptr, kept, order, stream);
-      if (!survives(kept)) break;
+      scorer.event(at, event, weight.value, nullptr, kept, order, stream);
+      if (!weight.survives(kept, order, energy, stream)) break;
       wi = -event.sample(stream).wo;
       continue;
     }
@@ -361,13 +335,13 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
           last_delta = m.is_delta();
           if (!last_delta) {
             only_delta = false;
-            scorer.event(at, event, weight, &l, albedo, order, stream);
+            scorer.event(at, event, weight.value, &l, albedo, order, stream);
           }
           const Scatter scatter = event.sample(stream);
           std::array<double, C> kept = albedo;
           if (l.fresnel)
             for (int c = 0; c < C; ++c) kept[c] *= l.f0[c] + (1 - l.f0[c]) * scatter.schlick;
-          if (!survives(kept)) return false;
+          if (!weight.survives(kept, order, energy, stream)) return false;
           wi = -scatter.wo;
           return true;
         },
@@ -376,7 +350,7 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
   }
   ++tally.walks;
   double check = wi.x + wi.y + wi.z + at.x + at.y + at.z;
-  for (int c = 0; c < C; ++c) check += weight[c];
+  for (int c = 0; c < C; ++c) check += weight.value[c];
   if (!std::isfinite(check) || !scorer.finite()) throw NonFiniteError(seed, index, incident);
 }
 

@@ -4,28 +4,26 @@
 #include <vector>
 
 #include "phase/direction.h"
-#include "phase/random.h"
+#include "phase/grain_geometry.h"
 #include "volume/vdb_file.h"
 
 namespace lamella {
 namespace {
 
-// Spheres of a periodic cube, with the images that reach into it by more than `margin`.
-std::vector<Direction> poisson_spheres(double edge, double mean_count, double margin,
-                                       RandomStream& stream, std::uint64_t& count) {
+// The spheres of a bed as the tracer places them that reach into a cube inside of it by more than
+// `margin`, with their periodic images; the cube's lowest corner becomes the origin.
+std::vector<Direction> spheres_in_cube(const GrainGeometry& bed, double margin, std::uint64_t seed,
+                                       std::uint64_t realisation, std::uint64_t& count) {
+  const double edge = bed.tile, floor = -bed.thickness + margin;
   std::vector<Direction> out;
-  for (double arrived = stream.exponential(); arrived < mean_count;
-       arrived += stream.exponential()) {
+  const auto reaches = [&](double at) { return at > -margin && at < edge + margin; };
+  for (const Direction& c : place_grains(bed, seed, realisation)) {
     ++count;
-    const double x = edge * stream.uniform(), y = edge * stream.uniform();
-    const Direction c{x, y, edge * stream.uniform()};
-    const auto reaches = [&](double at) { return at > -margin && at < edge + margin; };
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          const Direction image{c.x + dx * edge, c.y + dy * edge, c.z + dz * edge};
-          if (reaches(image.x) && reaches(image.y) && reaches(image.z)) out.push_back(image);
-        }
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const Direction image{c.x + dx * edge, c.y + dy * edge, c.z - floor};
+        if (reaches(image.x) && reaches(image.y)) out.push_back(image);
+      }
   }
   return out;
 }
@@ -46,13 +44,17 @@ SphereBedCheck check_sphere_bed(double radius, double packing, int realisations,
   const double edge = kEdge * radius, voxel = radius / voxels_per_radius;
   const double sphere = 4 * kPi / 3 * radius * radius * radius;
   const double number = packing / sphere;
+  const double margin = radius + 4 * voxel;
+  const GrainGeometry bed{.placement = GrainPlacement::sphere_bed,
+                          .radius = radius,
+                          .packing = packing,
+                          .thickness = edge + 2 * margin,
+                          .tile = edge};
   std::vector<double> volumes, areas;
   SphereBedCheck check;
   check.realisations = realisations;
   for (int k = 0; k < realisations; ++k) {
-    RandomStream stream(seed, k, StreamPurpose::model);
-    const std::vector<Direction> spheres = poisson_spheres(
-        edge, number * edge * edge * edge, radius + 4 * voxel, stream, check.spheres);
+    const std::vector<Direction> spheres = spheres_in_cube(bed, margin, seed, k, check.spheres);
     const LevelSetMeasure m = measure_level_set(spheres, radius, voxel, {edge, edge, edge});
     volumes.push_back(m.volume_fraction);
     areas.push_back(m.area_density);

@@ -20,8 +20,9 @@ struct SphereBedCheck {
   std::uint64_t spheres = 0;  ///< of all realisations
 };
 
-/// radius [mm], packing: positive. Each realisation is a periodic cube of 12 radii, a radius
-/// `voxels_per_radius` voxels. Throws GridFileError in a build without OpenVDB.
+/// radius [mm], packing: positive. Each realisation is a cube of 12 radii, periodic in x and y,
+/// within a bed as `place_grains` makes it; a radius is `voxels_per_radius` voxels. Throws
+/// GridFileError in a build without OpenVDB.
 [[nodiscard]] SphereBedCheck check_sphere_bed(double radius, double packing, int realisations,
                                               int voxels_per_radius, std::uint64_t seed);
 

@@ -9,6 +9,7 @@
 
 #include "phase/random.h"
 #include "phase/stack.h"
+#include "volume/path_weight.h"
 #include "volume/plan.h"
 #include "volume/tally.h"
 
@@ -63,9 +64,7 @@ template <class M>
 /// `scorer`. M: the medium of every layer, or Medium; C: channels; kSingle: one layer.
 ///
 /// Position-free: a layer index and the depth y below that layer's top. A walk carries weights of
-/// at most 1. Of each event's light the share 1 - a goes to `absorbed`; from the fourth event on,
-/// where the tally no longer tells orders apart, the walk survives with the largest channel's share
-/// only. Either way the ledger of each walk sums to 1.
+/// at most 1 (volume/path_weight.h).
 template <class M, int C, bool kSingle, class Scorer>
 void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::uint64_t index,
           Scorer& scorer, BatchTally& tally) {
@@ -75,40 +74,11 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
   EnergySums& energy = tally.energy;
   const int last = static_cast<int>(stack.layers.size()) - 1;
   Direction wi = incident;  // points back to where the light comes from
-  std::array<double, C> weight;
-  weight.fill(1);
+  PathWeight<C> weight;
   int layer = wi.z > 0 ? 0 : last;
   double y = wi.z > 0 || last < 0 ? 0 : stack.layers[layer].depth;
   std::uint64_t order = 0;
   bool only_delta = true, last_delta = false;
-
-  const auto add = [&](std::array<double, 3>& sums) {
-    for (int c = 0; c < C; ++c) sums[c] += weight[c];
-  };
-  // Takes the share `kept` of each channel on; false if the walk ends.
-  const auto survives = [&](const std::array<double, C>& kept) {
-    std::array<double, C> on;
-    double before = 0, after = 0;
-    for (int c = 0; c < C; ++c) {
-      on[c] = weight[c] * kept[c];
-      before = std::max(before, weight[c]);
-      after = std::max(after, on[c]);
-    }
-    if (order >= kTallyOrders || after == 0) {
-      // Survival with chance after / before.
-      if (after < before && stream.uniform() * before >= after) {
-        add(energy.absorbed);
-        return false;
-      }
-      if constexpr (C == 1) return true;  // with the weight it had
-      for (int c = 0; c < C; ++c) on[c] *= before / after;
-    }
-    for (int c = 0; c < C; ++c) {
-      energy.absorbed[c] += weight[c] - on[c];
-      weight[c] = on[c];
-    }
-    return true;
-  };
 
   for (;;) {
     // Free flight along -wi, exact across layers.
@@ -136,19 +106,19 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
 
     if (!collides && !(down && stack.has_substrate)) {  // leaves the stack
       if (order == 0) {
-        add(energy.uncollided);
+        weight.add_to(energy.uncollided);
       } else {
         auto& side = down ? energy.down : energy.up;
-        add(side[order_slot(order)]);
+        weight.add_to(side[order_slot(order)]);
         if (only_delta)
-          add(down ? energy.specular_down : energy.specular_up);
+          weight.add_to(down ? energy.specular_down : energy.specular_up);
         else
-          scorer.leave(-wi, weight, order, last_delta);
+          scorer.leave(-wi, weight.value, order, last_delta);
       }
       break;
     }
     if (order == stack.max_order) {
-      add(energy.unresolved);
+      weight.add_to(energy.unresolved);
       break;
     }
     ++order;
@@ -157,8 +127,8 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
       only_delta = last_delta = false;
       std::array<double, C> kept;
       for (int c = 0; c < C; ++c) kept[c] = stack.substrate_albedo[c];
-      scorer.substrate(weight, kept, order);
-      if (!survives(kept)) break;
+      scorer.substrate(weight.value, kept, order);
+      if (!weight.survives(kept, order, energy, stream)) break;
       const double u1 = stream.uniform(), u2 = stream.uniform();
       wi = -cosine_hemisphere(Direction{0, 0, 1}, u1, u2);
       layer = last;
@@ -173,14 +143,14 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
       last_delta = medium.is_delta();
       if (!last_delta) {
         only_delta = false;
-        scorer.collision(l, kSingle ? 0 : layer, y, event, weight, order);
+        scorer.collision(l, kSingle ? 0 : layer, y, event, weight.value, order);
       }
       const Scatter scatter = event.sample(stream);
       std::array<double, C> kept;
       for (int c = 0; c < C; ++c) kept[c] = l.albedo[c];
       if (l.fresnel)
         for (int c = 0; c < C; ++c) kept[c] *= l.f0[c] + (1 - l.f0[c]) * scatter.schlick;
-      if (!survives(kept)) return false;
+      if (!weight.survives(kept, order, energy, stream)) return false;
       wi = -scatter.wo;
       return true;
     });
@@ -188,7 +158,7 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
   }
   ++tally.walks;
   double check = wi.x + wi.y + wi.z + y;
-  for (int c = 0; c < C; ++c) check += weight[c];
+  for (int c = 0; c < C; ++c) check += weight.value[c];
   if (!std::isfinite(check) || !scorer.finite()) throw NonFiniteError(seed, index, incident);
 }
 
