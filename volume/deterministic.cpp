@@ -50,14 +50,30 @@ struct Limits {
   const std::atomic<bool>* stop;
 };
 
-// The modes end when four in a row stay below the tolerance at every probe.
+// What the modes left out may add, at the worst probe, but for order 2 of steep media.
+double left_out(const ProbeModes& probes, int parts) {
+  double worst = 0;
+  std::vector<double> modes(probes.rest.size());
+  for (int part = 0; part < parts; ++part)
+    for (Index p = 0; p < probes.mean[part].size(); ++p) {
+      if (!(probes.mean[part](p) > 1e-200)) continue;
+      for (std::size_t m = 0; m < modes.size(); ++m)
+        modes[m] = probes.rest[m][part](p) / probes.scale(part, p);
+      worst = std::max(worst, fit_mode_tail(modes).error);
+    }
+  return worst;
+}
+
+// The modes end when four in a row stay below a tenth of the tolerance at every probe and those
+// left out add less than half of it; those that fall slowly, at twice as many as the former asks
+// for.
 ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const Limits& limits,
                         DeterministicLimit& ended) {
   const auto start = std::chrono::steady_clock::now();
   ProbeModes result;
   const Index nodes = stack.sets().nodes();
   const int batch = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
-  int quiet = 0;
+  int quiet = 0, first_quiet = 0;
   ended = DeterministicLimit::modes;
   std::vector<LayerOperator> solved(batch);
   for (int first = 0; first < limits.max_modes; first += batch) {
@@ -98,11 +114,14 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
       result.rest.push_back(std::move(rest));
       if (limits.steep) result.second.push_back(std::move(second));
       // Odd and even modes may differ: several small ones in a row end the series.
-      quiet = size < limits.tolerance ? quiet + 1 : 0;
-      if (quiet == 4) {
+      quiet = size < limits.tolerance / 10 ? quiet + 1 : 0;
+      if (quiet < 4) continue;
+      if (first_quiet == 0) first_quiet = m + 1;
+      if (m + 1 >= 2 * first_quiet || left_out(result, parts) <= limits.tolerance / 2) {
         ended = DeterministicLimit::none;
         return result;
       }
+      quiet = 0;
     }
   }
   return result;
@@ -227,9 +246,9 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       // Modes that vary much faster than the nodes can follow would be noise.
       int max_modes = std::min(options.max_modes, 16 * nodes + 24);
       if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes);
-      const Limits limits{options.tolerance / 10, max_modes,
-                          options.max_bytes,      2 * options.max_seconds - seconds_since(start),
-                          solution.steep_,        options.stop};
+      const Limits limits{options.tolerance, max_modes,
+                          options.max_bytes, 2 * options.max_seconds - seconds_since(start),
+                          solution.steep_,   options.stop};
       ProbeModes fine = solve_probes(modes, split ? &*split : nullptr, parts, limits, this_ended);
       if (this_ended != DeterministicLimit::none) ended = this_ended;
       const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);
