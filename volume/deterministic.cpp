@@ -274,7 +274,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     if (now.reached) break;
     if (ended != DeterministicLimit::none && ended != DeterministicLimit::modes)
       accuracy.limit = ended;
-    else if (now.node_error <= options.tolerance &&
+    else if (now.node_error <= options.tolerance / 2 &&
              (now.second_error <= options.tolerance ||
               is_second_integrated(now.second_error, options.tolerance)))
       // More nodes would not help: what is left is the tail of the modes.
