@@ -74,8 +74,11 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
     const auto tolerance = parse_number(text("tolerance"));
     if (!tolerance || !(*tolerance > 0)) throw broken("tolerance");
     recorded.options.tolerance = *tolerance;
-    recorded.options.solver_end = {static_cast<int>(whole("nodes")),
-                                   static_cast<int>(whole("modes"))};
+    std::array<int, 3> modes{};
+    std::istringstream words(text("modes"));
+    for (int& count : modes)
+      if (!(words >> count) || count < 1) throw broken("modes");
+    recorded.options.solver_end = {static_cast<int>(whole("nodes")), modes};
   }
   std::istringstream directions(text("directions")), walks(text("walks"));
   for (std::string word; directions >> word;) {

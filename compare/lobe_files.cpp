@@ -1,6 +1,7 @@
 #include "compare/lobe_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -58,7 +59,8 @@ void add_error_attributes(std::map<std::string, std::string>& attributes,
   for (const RunResult& run : runs)
     reached += fmt::format("{}{:.1e}", reached.empty() ? "" : " ", run.accuracy->error);
   attributes["lamella.nodes"] = fmt::format("{}", runs[0].accuracy->nodes);
-  attributes["lamella.modes"] = fmt::format("{}", runs[0].accuracy->modes);
+  const auto& modes = runs[0].accuracy->channel_modes;
+  attributes["lamella.modes"] = fmt::format("{}", fmt::join(modes, " "));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <optional>
 #include <stdexcept>
@@ -38,7 +39,8 @@ struct Options {
   double tolerance = 1e-6;  ///< of the deterministic solver
   /// Of a run that is repeated: where the solver's refinement ended, be it by the clock.
   struct SolverEnd {
-    int nodes, modes;
+    int nodes;
+    std::array<int, 3> modes;  // per colour channel
   };
   std::optional<SolverEnd> solver_end{};
   std::string grid = "16x32";

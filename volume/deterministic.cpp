@@ -245,7 +245,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
       int max_modes = std::min(options.max_modes, 16 * nodes + 24);
-      if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes);
+      if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes[channel]);
       const Limits limits{options.tolerance, max_modes,
                           options.max_bytes, 2 * options.max_seconds - seconds_since(start),
                           solution.steep_,   options.stop};
@@ -261,6 +261,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       now.bytes = std::max(now.bytes, modes.bytes());
       coarse[k] = std::move(fine);
     }
+    for (int c = 0; c < 3; ++c) now.channel_modes[c] = mode_counts[solution.channel_of_[c]];
     now.reached = now.error <= options.tolerance;
     const double error_before = accuracy.error;
     if (step == 0 || now.error <= error_before) {

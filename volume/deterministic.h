@@ -16,8 +16,9 @@ struct DeterministicOptions {
   double tolerance = 1e-6;  ///< of f, relative to DeterministicField::scale
   int min_nodes = 8;        ///< nodes per hemisphere to begin with
   int max_nodes = 256;
-  int max_modes = 1024;     ///< azimuthal modes
-  int last_modes = 1024;    ///< of them with max_nodes: where a run that is repeated ended
+  int max_modes = 1024;  ///< azimuthal modes
+  /// Of them with max_nodes, per colour channel: where a run that is repeated ended.
+  std::array<int, 3> last_modes{1024, 1024, 1024};
   double max_seconds = 60;  ///< a finer solution is not begun where it would end later, and is cut
                             ///< short at twice that
   std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables
@@ -38,9 +39,10 @@ struct DeterministicAccuracy {
   /// the nodes at probe directions (mu from 0.01 to 1, both grazing and straight on among them),
   /// plus what the azimuthal modes left out would add. DeterministicValue carries each pair's own.
   double error = 0;
-  double node_error = 0;    ///< the first part of it
-  double second_error = 0;  ///< of order 2 of steep media by its modes: apart from node_error
-  int nodes = 0, modes = 0;
+  double node_error = 0;     ///< the first part of it
+  double second_error = 0;   ///< of order 2 of steep media by its modes: apart from node_error
+  int nodes = 0, modes = 0;  ///< modes: the most of any channel
+  std::array<int, 3> channel_modes{};  ///< per colour channel
   double seconds = 0;
   std::size_t bytes = 0;  ///< of the kernels, the largest tables
 };

@@ -60,6 +60,13 @@ class ARunIsRepeatedBitByBit(ProgramTest):
         for name in ("truth", "lambert_sphere", "lambert"):
             self.repeated(f"out/{name}.exr")
 
+    def test_of_colours_whose_solution_the_clock_cut_short(self):
+        self.write("mine.toml", '[[layer]]\nmedium = "sggx"\nroughness = 0.3\nalbedo = [0.9, 0.5, 0.1]\n'
+                                "thickness = 1\n")
+        self.lamella("simulate", "mine.toml", "--wi", "60", "--grid", "4x8", "--estimator", "deterministic", "--tolerance",
+                     "1e-9", "--time", "0.7", "--quiet", "-o", "a.exr")
+        self.repeated("a.exr")
+
     def test_and_written_where_asked(self):
         self.lamella("simulate", "hg_slab", "--wi", "30", *QUICK, "-o", "a.exr")
         self.lamella("rerun", "a.exr", "-o", "b.exr")
