@@ -105,10 +105,9 @@ std::string with_values(const Stack& stack, const std::vector<SweepAxis>& axes,
     Part& part = part_of(parts, stack, axes[a].path);
     const std::string key = axes[a].path.substr(axes[a].path.rfind('.') + 1);
     const std::string value = to_text(axes[a].values[at[a]]);
-    for (const auto& [one, other] :
-         {std::pair("roughness", "alpha"), std::pair("alpha", "roughness")})
-      if (key == one)
-        std::erase_if(part.lines, [&](const auto& line) { return line.first == other; });
+    // Two names of one quantity: what is set replaces the other.
+    const std::string other = key == "roughness" ? "alpha" : key == "alpha" ? "roughness" : "";
+    std::erase_if(part.lines, [&](const auto& line) { return line.first == other; });
     const auto line = std::find_if(part.lines.begin(), part.lines.end(),
                                    [&](const auto& l) { return l.first == key; });
     if (line != part.lines.end())
