@@ -3,6 +3,7 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "analytic/formula_model.h"
 #include "analytic/half_space.h"
 #include "analytic/oren_nayar.h"
 
@@ -13,14 +14,6 @@ double fon_a(double roughness) { return 1 / (1 + kFonNormalLoss * roughness); }
 
 /// The cosine-weighted mean of fon_loss: 1 - <E> = A r kMeanLoss.
 constexpr double kMeanLoss = kFonNormalLoss - kFujiiMean;
-
-/// G_F / pi by eq. 14.
-double fujii_integral_fit(double mu) {
-  const double x = 1 - mu;
-  return x * (0.0571085289 + x * (0.491881867 + x * (-0.332181442 + x * 0.0714429953)));
-}
-
-double fon_loss_fit(double mu) { return std::max(0.0, kFonNormalLoss - fujii_integral_fit(mu)); }
 
 /// Cosine-weighted mean of fon_loss_fit: a polynomial above the cosine at which the clamp ends.
 double mean_loss_fit() {
@@ -33,37 +26,48 @@ double mean_loss_fit() {
   return boost::math::quadrature::gauss<double, 7>::integrate(f, high, 1.0);
 }
 
-enum class Variant { fon, exact, fit };
+template <EonAlbedo kAlbedo>
+EonFormula<kAlbedo> eon_formula(Rgb rho, double r) {
+  const double a = fon_a(r), average = fon_average_albedo(r);
+  EonFormula<kAlbedo> f{.single = {}, .multiple = {}, .roughness = r};
+  for (int c = 0; c < 3; ++c) {
+    f.single[c] = rho[c] * a / kPi;
+    f.multiple[c] =
+        rho[c] * rho[c] * average / (1 - rho[c] * (1 - average)) * a * r / (kPi * kMeanLoss);
+  }
+  return f;
+}
 
-class Eon final : public Model {
+template <EonAlbedo kAlbedo>
+class Eon final : public FormulaModel<EonFormula<kAlbedo>> {
+  using Base = FormulaModel<EonFormula<kAlbedo>>;
+  using Base::formula_;
+
  public:
-  Eon(Rgb rho, double roughness, Variant variant, HemisphereSampler sampler)
-      : Model(variant == Variant::fon ? 1 : 2),
+  Eon(Rgb rho, double roughness, BatchFunction<EonFormula<kAlbedo>> (*lanes_for)(Isa),
+      HemisphereSampler sampler)
+      : Base(kAlbedo == EonAlbedo::none ? 1 : 2, eon_formula<kAlbedo>(rho, roughness),
+             rho.is_grey(), lanes_for),
         rho_(rho),
         roughness_(roughness),
-        a_(fon_a(roughness)),
-        variant_(variant),
-        sampler_(sampler) {
-    if (variant == Variant::fon) return;
-    const double average = fon_average_albedo(roughness);
-    for (int c = 0; c < 3; ++c)
-      lobe_[c] =
-          rho[c] * rho[c] * average / (1 - rho[c] * (1 - average)) * a_ * roughness / kMeanLoss;
-    static const double mean_fit = mean_loss_fit();
-    mean_loss_ = variant == Variant::fit ? mean_fit : kMeanLoss;
-  }
+        sampler_(sampler) {}
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
     const auto a = reflection_angles(wi, wo);
     if (!a) return Rgb();
-    if (lobe == 0) return a_ / kPi * (1 + roughness_ * fujii_term(*a)) * rho_;
-    return loss(a->mu_i) * loss(a->mu_o) / kPi * lobe_;
+    const auto s = formula_.shared(*a);
+    return Base::per_channel([&](int c) {
+      return lobe == 0 ? formula_.single[c] * s.single : formula_.multiple[c] * s.losses;
+    });
   }
 
   [[nodiscard]] Rgb albedo(Direction wi) const override {
     if (wi.z < 0) return Rgb();
     const Rgb single = fon_albedo(wi.z, roughness_) * rho_;
-    return variant_ == Variant::fon ? single : single + loss(wi.z) * mean_loss_ * lobe_;
+    if constexpr (kAlbedo == EonAlbedo::none) return single;
+    static const double mean = kAlbedo == EonAlbedo::fit ? mean_loss_fit() : kMeanLoss;
+    const double lost = kPi * mean * formula_.loss(wi.z);
+    return single + Base::per_channel([&](int c) { return lost * formula_.multiple[c]; });
   }
 
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
@@ -79,22 +83,17 @@ class Eon final : public Model {
   }
 
  private:
-  [[nodiscard]] double loss(double mu) const {
-    return variant_ == Variant::fit ? fon_loss_fit(mu) : fon_loss(mu);
-  }
-
   Rgb rho_;
-  double roughness_, a_;
-  Variant variant_;
+  double roughness_;
   HemisphereSampler sampler_;
-  Rgb lobe_;  // pi f_ms per unit of loss(mu_i) loss(mu_o)
-  double mean_loss_ = 0;
 };
 
-ModelInfo info(std::string name, std::string doc, Variant variant) {
-  const bool fon = variant == Variant::fon;
+template <EonAlbedo kAlbedo>
+ModelInfo info(std::string name, std::string doc,
+               BatchFunction<EonFormula<kAlbedo>> (*lanes_for)(Isa)) {
   std::vector<LobeInfo> lobes{{"ss", "Fujii's single scattering", Order::all}};
-  if (!fon) lobes.push_back({"ms", "the energy that single scattering loses", Order::all});
+  if (kAlbedo != EonAlbedo::none)
+    lobes.push_back({"ms", "the energy that single scattering loses", Order::all});
   return {.name = std::move(name),
           .doc = std::move(doc),
           .source =
@@ -110,9 +109,9 @@ ModelInfo info(std::string name, std::string doc, Variant variant) {
                          sampler_parameter()},
           .lobes = std::move(lobes),
           .make =
-              [variant](const Parameters& p, const Stack*) {
-                return std::make_unique<Eon>(p.color("albedo"), p.number("roughness"), variant,
-                                             sampler_of(p));
+              [lanes_for](const Parameters& p, const Stack*) {
+                return std::make_unique<Eon<kAlbedo>>(p.color("albedo"), p.number("roughness"),
+                                                      lanes_for, sampler_of(p));
               },
           .applies_to = {}};
 }
@@ -141,13 +140,17 @@ ClippedCosine eon_sampling_lobe(double mu, double r) {
       .uniform = std::pow(r, 0.1) * (0.162925 + m * (-0.372058 + (0.538233 - 0.290822 * m) * m))};
 }
 
-ModelInfo fon_model() { return info("fon", "Fujii's Oren-Nayar model", Variant::fon); }
+ModelInfo fon_model() {
+  return info<EonAlbedo::none>("fon", "Fujii's Oren-Nayar model", fon_batch_for);
+}
 
-ModelInfo eon_model() { return info("eon", "energy-preserving Oren-Nayar model", Variant::exact); }
+ModelInfo eon_model() {
+  return info<EonAlbedo::exact>("eon", "energy-preserving Oren-Nayar model", eon_batch_for);
+}
 
 ModelInfo eon_approx_model() {
-  return info("eon_approx", "energy-preserving Oren-Nayar model with a fitted albedo",
-              Variant::fit);
+  return info<EonAlbedo::fit>(
+      "eon_approx", "energy-preserving Oren-Nayar model with a fitted albedo", eon_fit_batch_for);
 }
 
 }  // namespace lamella

@@ -94,7 +94,7 @@ double HFunction::moment(int k) const {
 HFunction isotropic_h(double albedo) { return {{albedo / 2}, 1 - albedo}; }
 
 double isotropic_h_hapke_1981(double mu, double albedo) {
-  return (1 + 2 * mu) / (1 + 2 * mu * std::sqrt(1 - albedo));
+  return 1 + hapke_1981_rise(mu, std::sqrt(1 - albedo));
 }
 
 double isotropic_h_hapke_2002(double mu, double albedo) {

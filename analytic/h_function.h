@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "phase/real.h"
+
 namespace lamella {
 
 /// Chandrasekhar's H function of a half space, for mu in [0, 1]: the solution of
@@ -52,6 +54,11 @@ class HFunction {
 /// Relative error below 0.041.
 /// Hapke 1981, "Bidirectional reflectance spectroscopy: 1. Theory".
 [[nodiscard]] double isotropic_h_hapke_1981(double mu, double albedo);
+/// The same less 1, without the cancellation at small mu, over any number type; root: sqrt(1 - c).
+template <class Real>
+[[nodiscard]] Real hapke_1981_rise(Real mu, double root) {
+  return Real(2 * (1 - root)) * mu / multiply_add(Real(2 * root), mu, Real(1));
+}
 
 /// Approximation of the isotropic H with its logarithm: with s = sqrt(1 - c), r = (1 - s) / (1 +
 /// s),

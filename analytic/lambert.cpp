@@ -10,6 +10,12 @@ class Lambert final : public Model {
   [[nodiscard]] Rgb eval_lobe(int /*lobe*/, Direction wi, Direction wo) const override {
     return (wi.z < 0) == (wo.z < 0) ? (1 / kPi) * albedo_ : Rgb();
   }
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values,
+            Isa /*isa*/) const override {
+    const Rgb f = 1 / kPi * albedo_;
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      values[k] = (pairs[k].wi.z < 0) == (pairs[k].wo.z < 0) ? f : Rgb();
+  }
   [[nodiscard]] Rgb albedo(Direction /*wi*/) const override { return albedo_; }
 
  private:

@@ -2,107 +2,90 @@
 
 #include <cmath>
 
-#include "analytic/h_function.h"
+#include "analytic/formula_model.h"
 #include "analytic/half_space.h"
-#include "phase/lambert_sphere.h"
 
 namespace lamella {
 namespace {
 
-/// What the models differ in: multiple scattering of one channel [1/sr].
-template <class Multiple>
-class LambertSphereModel final : public Model {
+/// The models differ in their formula of multiple scattering.
+template <class Formula>
+class LambertSphereModel final : public FormulaModel<Formula> {
+  using Base = FormulaModel<Formula>;
+  using Base::formula_;
+
  public:
-  explicit LambertSphereModel(Rgb albedo)
-      : Model(2),
-        albedo_(albedo),
-        multiple_{Multiple(albedo.r), Multiple(albedo.g), Multiple(albedo.b)},
-        channels_(albedo.is_grey() ? 1 : 3) {}
+  LambertSphereModel(Rgb albedo, const Formula& formula, BatchFunction<Formula> (*lanes_for)(Isa))
+      : Base(2, formula, albedo.is_grey(), lanes_for), albedo_(albedo) {}
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
     const auto a = reflection_angles(wi, wo);
     if (!a) return Rgb();
-    const double single = lambert_sphere_single(*a);
-    if (lobe == 0) return single * albedo_;
-    const auto at = [&](int c) { return multiple_[c](*a, single); };
-    return channels_ == 1 ? Rgb(at(0)) : Rgb(at(0), at(1), at(2));
+    if (lobe == 0) return lambert_sphere_single_of(*a) * albedo_;
+    const auto shared = formula_.shared(*a);
+    return Base::per_channel([&](int c) { return formula_.multiple(shared, c); });
   }
 
  private:
   Rgb albedo_;
-  std::array<Multiple, 3> multiple_;
-  int channels_;
 };
 
-/// Eqs. 35, 45: modes 0 and 1 of three-term scattering without their order 1.
-class Analytic {
- public:
-  explicit Analytic(double albedo) : c_(albedo), w_(lambert_sphere_phase_terms(albedo)) {
-    const double t2 = 1 - c_, t = std::sqrt(t2), t3 = t * t2;
-    a_ = 69 * c_ / 128;
-    b_ = (0.346689 * t3 - 0.777574 * t2 + 0.515357 * t - 0.084463) /
-         (0.182602 * t2 - 0.665502 * t + 0.964893);
-    c1_ = (-5602.45 * t3 + 7487.99 * t2 - 2567.74 * t + 682.848) /
-          (1480.25 * t2 - 4008.33 * t + 5850.6);
-    d_ = (166.883 * t3 - 327.428 * t2 + 160.397 * t + 0.285529) /
-         (596.423 * t2 - 412.984 * t + 674.191);
-    e_ = 15.0 / 128 * t2 * c_ * (4 * c_ / 3 + 3);
-    f_ = (266.063 * t3 - 21.9141 * t2 - 242.16 * t - 1.9209) / (215.773 * t2 + 457.42 * t + 1499.9);
-    l_ = (-0.00473696 * c_ - 0.0589037) * c_;
-    const double m = 0.44038 * c_ + 1;
-    n_ = l_ * l_ + 45 * m / 64;
+double h1_exponent(double albedo) { return (0.0242851 * albedo - 0.144839) * albedo; }
+
+AnalyticLambertSphere::Channel channel_of(double c) {
+  const ThreeTermPhase w = lambert_sphere_phase_terms(c);
+  const double t2 = 1 - c, t = std::sqrt(t2), t3 = t * t2, l = (-0.00473696 * c - 0.0589037) * c;
+  return {.albedo = c,
+          .h0 = LambertSphereH0(c),
+          .h1 = h1_exponent(c),
+          .w1 = w[1],
+          .w2 = w[2],
+          .a = 69 * c / 128,
+          .b = (0.346689 * t3 - 0.777574 * t2 + 0.515357 * t - 0.084463) /
+               (0.182602 * t2 - 0.665502 * t + 0.964893),
+          .c = (-5602.45 * t3 + 7487.99 * t2 - 2567.74 * t + 682.848) /
+               (1480.25 * t2 - 4008.33 * t + 5850.6),
+          .d = (166.883 * t3 - 327.428 * t2 + 160.397 * t + 0.285529) /
+               (596.423 * t2 - 412.984 * t + 674.191),
+          .e = 15.0 / 128 * t2 * c * (4 * c / 3 + 3),
+          .f = (266.063 * t3 - 21.9141 * t2 - 242.16 * t - 1.9209) /
+               (215.773 * t2 + 457.42 * t + 1499.9),
+          .l = l,
+          .n = l * l + 45 * (0.44038 * c + 1) / 64};
+}
+
+template <class Formula>
+Formula formula_of(Rgb albedo);
+
+template <>
+AnalyticLambertSphere formula_of(Rgb albedo) {
+  return lambert_sphere_formula(albedo);
+}
+
+template <>
+FastLambertSphere formula_of(Rgb albedo) {
+  FastLambertSphere f{};
+  for (int c = 0; c < 3; ++c) {
+    f.albedo[c] = albedo[c];
+    f.base[c] = 0.234459 * std::pow(lambert_sphere_bond_albedo(albedo[c]), 1.85432);
+    f.factor[c] = 0.0151829 * (albedo[c] - 0.249978);
   }
+  return f;
+}
 
-  [[nodiscard]] double operator()(const ReflectionAngles& a, double /*single*/) const {
-    const double x = a.mu_i, y = a.mu_o, sum = x + y, product = x * y;
-    const double f0 =
-        lambert_sphere_h0(x, c_) * lambert_sphere_h0(y, c_) / (2 * kPi * sum) *
-        (a_ + (b_ + d_ * product) * sum + (c1_ + e_ * product) * product + f_ * (x * x + y * y));
-    const double f1 = c_ * lambert_sphere_h1(x, c_) * lambert_sphere_h1(y, c_) / (3 * kPi * sum) *
-                      a.sin_i * a.sin_o * (1 + n_ * product + l_ * sum);
-    return f0 - three_term_single(w_, 0, x, y) + (f1 - three_term_single(w_, 1, x, y)) * a.cos_phi;
+template <>
+HapkeLambertSphere formula_of(Rgb albedo) {
+  HapkeLambertSphere f{};
+  for (int c = 0; c < 3; ++c) {
+    f.albedo[c] = albedo[c];
+    f.root[c] = std::sqrt(1 - albedo[c]);
   }
+  return f;
+}
 
- private:
-  double c_;
-  ThreeTermPhase w_;
-  double a_, b_, c1_, d_, e_, f_, l_, n_;
-};
-
-/// Eq. 48 without its f_1, so that the sum of both is its maximum with 0.
-class Fast {
- public:
-  explicit Fast(double albedo)
-      : c_(albedo), base_(0.234459 * std::pow(lambert_sphere_bond_albedo(albedo), 1.85432)) {}
-
-  [[nodiscard]] double operator()(const ReflectionAngles& a, double single) const {
-    const double s = a.sin_i * a.sin_o;
-    // S / (acos(S) + 0.113706 S) is the reciprocal of the printed denominator, finite at S = 0.
-    const double slope = s / (std::acos(std::min(1.0, s)) + 0.113706 * s);
-    const double f =
-        base_ + 0.0151829 * (c_ - 0.249978) * (a.phi() + std::sqrt(a.mu_i * a.mu_o)) * slope;
-    return std::max(-c_ * single, f);
-  }
-
- private:
-  double c_, base_;
-};
-
-class Hapke {
- public:
-  explicit Hapke(double albedo) : c_(albedo) {}
-
-  [[nodiscard]] double operator()(const ReflectionAngles& a, double /*single*/) const {
-    const double product = isotropic_h_hapke_1981(a.mu_i, c_) * isotropic_h_hapke_1981(a.mu_o, c_);
-    return c_ / (4 * kPi * (a.mu_i + a.mu_o)) * (product - 1);
-  }
-
- private:
-  double c_;
-};
-
-template <class Multiple>
-ModelInfo info(std::string name, std::string doc, std::string source) {
+template <class Formula>
+ModelInfo info(std::string name, std::string doc, std::string source,
+               BatchFunction<Formula> (*lanes_for)(Isa)) {
   return {.name = std::move(name),
           .doc = std::move(doc),
           .source = std::move(source),
@@ -110,8 +93,10 @@ ModelInfo info(std::string name, std::string doc, std::string source) {
           .lobes = {{"single", "one event", Order::one},
                     {"multiple", "two events and more", Order::all}},
           .make =
-              [](const Parameters& p, const Stack*) {
-                return std::make_unique<LambertSphereModel<Multiple>>(p.color("albedo"));
+              [lanes_for](const Parameters& p, const Stack*) {
+                const Rgb albedo = p.color("albedo");
+                return std::make_unique<LambertSphereModel<Formula>>(
+                    albedo, formula_of<Formula>(albedo), lanes_for);
               },
           .applies_to = lambert_sphere_parameters};
 }
@@ -134,10 +119,18 @@ std::optional<Parameters> lambert_sphere_parameters(const Stack& stack) {
   return p;
 }
 
-double lambert_sphere_single(const ReflectionAngles& a) {
-  return lambert_sphere_phase(std::clamp(-(a.mu_i * a.mu_o + a.sines_cos), -1.0, 1.0)) /
-         (a.mu_i + a.mu_o);
+LambertSphereH0::LambertSphereH0(double albedo) {
+  const double s = std::sqrt(1 - albedo);
+  a = (1.50112 * std::pow(s, 6.05435) + 8.21644) / (4.17593 - 1.21222 * s);
+  d = (7.7731 - 0.565811 * std::pow(s, 0.961546)) / (8.65912 - 0.159974 * std::pow(s, 7));
+  limit = std::sqrt(three_term_k0(lambert_sphere_phase_terms(albedo), 0));
 }
+
+AnalyticLambertSphere lambert_sphere_formula(Rgb albedo) {
+  return {.channels = {channel_of(albedo.r), channel_of(albedo.g), channel_of(albedo.b)}};
+}
+
+double lambert_sphere_single(const ReflectionAngles& a) { return lambert_sphere_single_of(a); }
 
 double lambert_sphere_legendre(int k) {
   if (k == 0) return 1;
@@ -152,20 +145,10 @@ ThreeTermPhase lambert_sphere_phase_terms(double albedo) {
   return {albedo, albedo * lambert_sphere_legendre(1), albedo * lambert_sphere_legendre(2)};
 }
 
-double lambert_sphere_h0(double mu, double albedo) {
-  const double s = std::sqrt(1 - albedo);
-  const double a = (1.50112 * std::pow(s, 6.05435) + 8.21644) / (4.17593 - 1.21222 * s);
-  const double d =
-      (7.7731 - 0.565811 * std::pow(s, 0.961546)) / (8.65912 - 0.159974 * std::pow(s, 7));
-  const double power = a * std::pow(mu, d);
-  // 1 / H0(infinity), 0 at c = 1
-  const double limit = std::sqrt(three_term_k0(lambert_sphere_phase_terms(albedo), 0));
-  return (1 + power) / (1 + power * limit);
-}
+double lambert_sphere_h0(double mu, double albedo) { return LambertSphereH0(albedo)(std::log(mu)); }
 
 double lambert_sphere_h1(double mu, double albedo) {
-  const double e = ((-1.12831 * mu + 1.85728) * mu - 1.07879) * mu + 0.459442;
-  return std::exp((0.0242851 * albedo - 0.144839) * albedo * std::pow(mu, e));
+  return std::exp(h1_exponent(albedo) * lambert_sphere_h1_power(mu, std::log(mu)));
 }
 
 double lambert_sphere_albedo(double bond_albedo) {
@@ -179,18 +162,21 @@ double lambert_sphere_bond_albedo(double albedo) {
 }
 
 ModelInfo lambert_sphere_model() {
-  return info<Analytic>("lambert_sphere", "half space of Lambertian spheres, analytic form",
-                        kSource);
+  return info<AnalyticLambertSphere>("lambert_sphere",
+                                     "half space of Lambertian spheres, analytic form", kSource,
+                                     lambert_sphere_batch_for);
 }
 
 ModelInfo lambert_sphere_fast_model() {
-  return info<Fast>("lambert_sphere_fast", "half space of Lambertian spheres, fast form", kSource);
+  return info<FastLambertSphere>("lambert_sphere_fast",
+                                 "half space of Lambertian spheres, fast form", kSource,
+                                 fast_lambert_sphere_batch_for);
 }
 
 ModelInfo hapke_lambert_sphere_model() {
-  return info<Hapke>("hapke_lambert_sphere",
-                     "Hapke's model with the phase function of the Lambertian sphere",
-                     "Hapke 1981, Bidirectional reflectance spectroscopy: 1. Theory");
+  return info<HapkeLambertSphere>(
+      "hapke_lambert_sphere", "Hapke's model with the phase function of the Lambertian sphere",
+      "Hapke 1981, Bidirectional reflectance spectroscopy: 1. Theory", hapke_batch_for);
 }
 
 }  // namespace lamella

@@ -21,6 +21,11 @@ void Model::eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const 
 }
 
 void Model::eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const {
+  static const Isa widest = isa_from_text("auto");
+  eval(pairs, values, widest);
+}
+
+void Model::eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa /*isa*/) const {
   for (std::size_t k = 0; k < pairs.size(); ++k) values[k] = eval(pairs[k].wi, pairs[k].wo);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "phase/isa.h"
 #include "phase/stack.h"
 
 namespace lamella {
@@ -46,9 +47,11 @@ class Model {
   /// The sum of all lobes. Override where the sum is cheaper than its parts.
   [[nodiscard]] virtual Rgb eval(Direction wi, Direction wo) const;
 
-  /// values[k] = eval(pairs[k]). Override where a batch is cheaper than its pairs. The spans have
-  /// the same length.
-  virtual void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const;
+  /// values[k] = eval(pairs[k]), up to rounding. Override where a batch is cheaper than its pairs.
+  /// The spans have the same length; isa is supported (scalar: double, one pair after the other).
+  virtual void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const;
+  /// The same on the widest lanes (isa_from_text("auto"), asked once).
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const;
 
   /// The model's own sampler: w_i given w_o from three uniforms in (0, 1), or nothing if no light
   /// can be found that way. Default: the cosine law on the side of w_o.

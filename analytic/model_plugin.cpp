@@ -93,11 +93,12 @@ class PluginModel final : public Model {
   [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override {
     const DirectionPair pair{wi, wo};
     Rgb value;
-    eval({&pair, 1}, {&value, 1});
+    eval({&pair, 1}, {&value, 1}, Isa::scalar);
     return value;
   }
 
-  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const override {
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values,
+            Isa /*isa*/) const override {
     const std::vector<double> raw = evaluated(pairs);
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       Rgb sum;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "analytic/formula_model.h"
 #include "analytic/half_space.h"
 
 namespace lamella {
@@ -14,66 +15,72 @@ const char* const kSource =
 /// sigma^2 / (sigma^2 + offset)
 double saturation(double sigma, double offset) { return sigma * sigma / (sigma * sigma + offset); }
 
-class FullOrenNayar final : public Model {
+class FullOrenNayar final : public FormulaModel<FullOrenNayarFormula> {
  public:
-  FullOrenNayar(Rgb rho, double sigma) : Model(2), rho_(rho), sigma_(sigma) {}
+  FullOrenNayar(Rgb rho, double sigma)
+      : FormulaModel(2, formula_of(rho, sigma), rho.is_grey(), full_oren_nayar_batch_for) {}
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
     const auto a = reflection_angles(wi, wo);
     if (!a) return Rgb();
-    return lobe == 0 ? single(*a) / kPi * rho_ : twice(*a) / kPi * (rho_ * rho_);
+    const auto s = formula_.shared(*a);
+    return per_channel(
+        [&](int c) { return lobe == 0 ? formula_.rho[c] * s.single : formula_.rho2[c] * s.twice; });
   }
 
  private:
-  [[nodiscard]] double single(const ReflectionAngles& a) const {
-    // The angle nearer to grazing is alpha, whose sine is the larger one.
-    const bool i_grazes = a.mu_i < a.mu_o;
-    const double mu_b = i_grazes ? a.mu_o : a.mu_i;
-    const double sin_a = i_grazes ? a.sin_i : a.sin_o, sin_b = i_grazes ? a.sin_o : a.sin_i;
-    const double alpha = std::atan2(sin_a, i_grazes ? a.mu_i : a.mu_o);
-    const double beta = std::atan2(sin_b, mu_b);
-    const double x = a.cos_phi, b = 2 * beta / kPi, c = saturation(sigma_, 0.09);
-    const double c1 = 1 - 0.5 * saturation(sigma_, 0.33);
-    const double c2 = 0.45 * c * (sin_a - (x < 0 ? b * b * b : 0));
-    const double ab = 2 * alpha / kPi * b;
-    const double c3 = 0.125 * c * ab * ab;
-    const double tan_mean = (sin_a + sin_b) / (a.mu_i + a.mu_o);  // tan((alpha + beta) / 2)
-    return c1 + x * c2 * (sin_b / mu_b) + (1 - std::abs(x)) * c3 * tan_mean;
+  static FullOrenNayarFormula formula_of(Rgb rho, double sigma) {
+    const double c = saturation(sigma, 0.09);
+    FullOrenNayarFormula f{.rho = {},
+                           .rho2 = {},
+                           .c1 = 1 - 0.5 * saturation(sigma, 0.33),
+                           .c2 = 0.45 * c,
+                           .c3 = 0.125 * c,
+                           .interaction = 0.17 * saturation(sigma, 0.13)};
+    for (int k = 0; k < 3; ++k) {
+      f.rho[k] = rho[k] / kPi;
+      f.rho2[k] = rho[k] * rho[k] / kPi;
+    }
+    return f;
   }
-  [[nodiscard]] double twice(const ReflectionAngles& a) const {
-    const double mu = std::max(a.mu_i, a.mu_o);
-    const double b = 2 / kPi * std::atan2(std::min(a.sin_i, a.sin_o), mu);
-    return 0.17 * saturation(sigma_, 0.13) * (1 - a.cos_phi * b * b);
-  }
-
-  Rgb rho_;
-  double sigma_;
 };
 
 /// The models of the form rho / pi (A + B s / t).
-class Qualitative final : public Model {
+template <bool kFujii>
+class Qualitative final : public FormulaModel<QualitativeFormula<kFujii>> {
+  using Base = FormulaModel<QualitativeFormula<kFujii>>;
+
  public:
-  /// `a` per channel; fujii: t is 1 where s is negative.
-  Qualitative(Rgb rho, Rgb a, double b, bool fujii)
-      : Model(1), rho_(rho), a_(a), b_(b), fujii_(fujii) {}
+  /// `a` per channel.
+  Qualitative(Rgb rho, Rgb a, double b)
+      : Base(1, formula_of(rho, a, b), rho.is_grey(),
+             [](Isa isa) {
+               if constexpr (kFujii)
+                 return fujii_batch_for(isa);
+               else
+                 return oren_nayar_batch_for(isa);
+             }),
+        rho_(rho),
+        a_(a),
+        b_(b) {}
 
   [[nodiscard]] Rgb eval_lobe(int /*lobe*/, Direction wi, Direction wo) const override {
-    const auto a = reflection_angles(wi, wo);
-    if (!a) return Rgb();
-    const double term = fujii_ ? fujii_term(*a) : oren_nayar_term(*a);
-    return 1 / kPi * rho_ * (a_ + Rgb(b_ * term));
+    return Base::eval(wi, wo);
   }
   /// EON eq. 5.
   [[nodiscard]] Rgb albedo(Direction wi) const override {
     if (wi.z < 0) return Rgb();
-    const double g = fujii_ ? fujii_integral(wi.z) : oren_nayar_integral(wi.z);
+    const double g = kFujii ? fujii_integral(wi.z) : oren_nayar_integral(wi.z);
     return rho_ * (a_ + Rgb(b_ / kPi * g));
   }
 
  private:
+  static QualitativeFormula<kFujii> formula_of(Rgb rho, Rgb a, double b) {
+    return {.rho = {rho.r / kPi, rho.g / kPi, rho.b / kPi}, .a = {a.r, a.g, a.b}, .b = b};
+  }
+
   Rgb rho_, a_;
   double b_;
-  bool fujii_;
 };
 
 template <class Make>
@@ -99,20 +106,12 @@ ModelInfo info(std::string name, std::string doc, std::string source, std::vecto
 ModelInfo qualitative_info(std::string name, std::string doc, double offset) {
   return info(std::move(name), std::move(doc), kSource, {{"diffuse", "all of it"}},
               [offset](Rgb rho, double sigma) {
-                return std::make_unique<Qualitative>(rho, Rgb(1 - 0.5 * saturation(sigma, offset)),
-                                                     0.45 * saturation(sigma, 0.09), false);
+                return std::make_unique<Qualitative<false>>(
+                    rho, Rgb(1 - 0.5 * saturation(sigma, offset)), 0.45 * saturation(sigma, 0.09));
               });
 }
 
 }  // namespace
-
-double oren_nayar_term(const ReflectionAngles& a) {
-  return std::max(0.0, a.sines_cos) / std::max(a.mu_i, a.mu_o);
-}
-
-double fujii_term(const ReflectionAngles& a) {
-  return a.sines_cos > 0 ? oren_nayar_term(a) : a.sines_cos;
-}
 
 double oren_nayar_integral(double mu) {
   const double s = std::sqrt((1 - mu) * (1 + mu));
@@ -145,7 +144,7 @@ ModelInfo fujii_qualitative_model() {
               {{"diffuse", "all of it"}}, [](Rgb rho, double sigma) {
                 const Rgb a =
                     Rgb(1 - 0.5 * saturation(sigma, 0.33)) + 0.17 * saturation(sigma, 0.13) * rho;
-                return std::make_unique<Qualitative>(rho, a, 0.45 * saturation(sigma, 0.09), true);
+                return std::make_unique<Qualitative<true>>(rho, a, 0.45 * saturation(sigma, 0.09));
               });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "analytic/model.h"
-#include "analytic/reflection_angles.h"
+#include "analytic/oren_nayar_formula.h"
 
 namespace lamella {
 
@@ -32,11 +32,6 @@ namespace lamella {
 /// otherwise, A' = A + 0.17 rho sigma^2 / (sigma^2 + 0.13).
 /// Fujii 2013, "A tiny improvement of Oren-Nayar reflectance model".
 [[nodiscard]] ModelInfo fujii_qualitative_model();
-
-/// s+ / max(mu_i, mu_o) of the qualitative models, eq. 4.
-[[nodiscard]] double oren_nayar_term(const ReflectionAngles& a);
-/// s / t of Fujii's models, eq. 11.
-[[nodiscard]] double fujii_term(const ReflectionAngles& a);
 
 /// The integral over the hemisphere of oren_nayar_term times a cosine, as a function of the other
 /// one, in [0, 1] (EON eq. 8, its tan theta (1 - sin^3 theta) written without 0 * infinity):

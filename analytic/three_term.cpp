@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analytic/three_term_formula.h"
+
 namespace lamella {
 namespace {
-
-double legendre_2(double x) { return 1.5 * x * x - 0.5; }
 
 /// The system of the azimuthal mean: see three_term.h. Everything is written in the numbers that
 /// vanish with 1 - c, so that the conservative case needs no other formulas.
@@ -174,8 +174,8 @@ double ThreeTermHalfSpace::albedo(double mu) const {
 
 double three_term_fourier(const ThreeTermPhase& w, int m, double x, double y) {
   const double s2 = (1 - x) * (1 + x) * (1 - y) * (1 + y);
-  if (m == 0) return (w[0] + w[1] * x * y + w[2] * legendre_2(x) * legendre_2(y)) / (4 * kPi);
-  if (m == 1) return std::sqrt(s2) * (w[1] + 3 * w[2] * x * y) / (4 * kPi);
+  if (m == 0) return three_term_mean(w[0], w[1], w[2], x * y, legendre_2(x) * legendre_2(y));
+  if (m == 1) return std::sqrt(s2) * three_term_slope(w[1], w[2], x * y);
   return 0.75 * w[2] * s2 / (4 * kPi);
 }
 

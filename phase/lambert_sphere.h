@@ -1,24 +1,14 @@
 #pragma once
 
+#include "phase/lambert_sphere_formula.h"
 #include "phase/phase_function.h"
 #include "phase/sampling.h"
 
 namespace lamella {
 
-/// Phase function of a white Lambertian sphere by the cosine of the deflection, in [-1, 1]:
-/// p = 2 (sin theta - theta cos theta) / (3 pi^2) [1/sr], theta = acos(cosine); p(1) = 0.
-/// d'Eon 2021, "An analytic BRDF for materials with spherical Lambertian scatterers", eq. 1.
-/// Relative error below 1e-12: near theta = 0 the difference is expanded.
+/// lambert_sphere_phase_of in double.
 [[nodiscard]] inline double lambert_sphere_phase(double cosine) {
-  const double s2 = std::fmax(0, (1 - cosine) * (1 + cosine));
-  const double s = std::sqrt(s2);
-  const double theta = std::atan2(s, cosine);
-  double difference = s - theta * cosine;
-  if (theta < 0.1) {
-    const double t2 = theta * theta;
-    difference = theta * t2 * (1.0 / 3 + t2 * (-1.0 / 30 + t2 * (1.0 / 840 - t2 / 45360)));
-  }
-  return 2 * difference / (3 * kPi * kPi);
+  return lambert_sphere_phase_of(cosine);
 }
 
 /// Exact sample of the deflection cosine from three uniforms in [0, 1) (d'Eon 2021, eq. 6, with

@@ -1,5 +1,6 @@
 #include "tests/phase/lane_probe.h"
 
+#include "phase/double_lanes.h"
 #include "phase/lane_math.h"
 #include "phase/lane_random.h"
 
@@ -29,6 +30,22 @@ void probe_reciprocals(const float* x, float* inverse, float* inverse_root, std:
     reciprocal(Floats::load(x + i)).store(inverse + i);
     reciprocal_sqrt(Floats::load(x + i)).store(inverse_root + i);
   }
+}
+
+void probe_double_math(const double* x, double* log_x, double* exp_x, double* cos_x, double* erf_x,
+                       std::size_t count) {
+  for (std::size_t i = 0; i < count; i += Doubles::kCount) {
+    const Doubles v = Doubles::load(x + i);
+    log(abs(v)).store(log_x + i);
+    exp(v).store(exp_x + i);
+    cos(v).store(cos_x + i);
+    erf(v).store(erf_x + i);
+  }
+}
+
+void probe_angles(const double* sine, const double* cosine, double* angle, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += Doubles::kCount)
+    angle_of(Doubles::load(sine + i), Doubles::load(cosine + i)).store(angle + i);
 }
 
 void probe_philox(std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,

@@ -17,6 +17,12 @@ LAMELLA_LANE_FUNCTION(void, probe_turns,
 LAMELLA_LANE_FUNCTION(void, probe_reciprocals,
                       (const float* x, float* reciprocal, float* reciprocal_sqrt,
                        std::size_t count))
+/// phase/double_lanes.h; log of |x|, exp of x.
+LAMELLA_LANE_FUNCTION(void, probe_double_math,
+                      (const double* x, double* log, double* exp, double* cos, double* erf,
+                       std::size_t count))
+LAMELLA_LANE_FUNCTION(void, probe_angles,
+                      (const double* sine, const double* cosine, double* angle, std::size_t count))
 /// words: four per counter, one after the other.
 LAMELLA_LANE_FUNCTION(void, probe_philox,
                       (std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,
