@@ -98,10 +98,11 @@ LAMELLA_INLINE void evaluate(const Formula& formula, int channels, const double*
 
 }  // namespace
 
-#define LAMELLA_BATCH_FUNCTION(name, Formula)                                          \
-  void name(const Formula* formula, int channels, const double* pairs, double* values, \
-            std::size_t count) {                                                       \
-    evaluate(*formula, channels, pairs, values, count);                                \
+// Flattened, so that angles which a formula does not ask for are not computed.
+#define LAMELLA_BATCH_FUNCTION(name, Formula)                                           \
+  [[gnu::flatten]] void name(const Formula* formula, int channels, const double* pairs, \
+                             double* values, std::size_t count) {                       \
+    evaluate(*formula, channels, pairs, values, count);                                 \
   }
 
 LAMELLA_BATCH_FUNCTION(fon_batch, FonFormula)

@@ -10,7 +10,8 @@ namespace lamella {
 template <class Formula>
 class FormulaModel : public Model {
  public:
-  [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override {
+  // Flattened, so that angles which the formula does not ask for are not computed.
+  [[nodiscard, gnu::flatten]] Rgb eval(Direction wi, Direction wo) const override {
     const auto a = reflection_angles(wi, wo);
     if (!a) return Rgb();
     const auto shared = formula_.shared(*a);
