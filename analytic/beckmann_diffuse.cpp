@@ -47,10 +47,10 @@ double escape(const Event& e, double area, double mu) {
   return e.rate * low * -std::expm1(-x) / std::abs(area - e.rate * mu);
 }
 
-/// All events of the walks from one direction.
-std::vector<Event> walk(Direction wi, double alpha, int walks, std::uint64_t seed) {
+/// All events of the walks from one direction; `first`: the number of the first of them.
+std::vector<Event> walk(Direction wi, double alpha, int first, int walks, std::uint64_t seed) {
   std::vector<Event> events;
-  for (int k = 0; k < walks; ++k) {
+  for (int k = first; k < first + walks; ++k) {
     RandomStream stream(seed, static_cast<std::uint64_t>(k), StreamPurpose::model);
     Direction d = -wi;
     double depth = 0;
@@ -80,10 +80,11 @@ std::vector<Event> walk(Direction wi, double alpha, int walks, std::uint64_t see
 
 class BeckmannDiffuse final : public StochasticModel {
  public:
-  BeckmannDiffuse(Rgb albedo, double alpha, int walks, std::uint64_t seed)
+  BeckmannDiffuse(Rgb albedo, double alpha, int walks, std::uint64_t seed, int first = 0)
       : StochasticModel(4),
         albedo_(albedo),
         alpha_(alpha),
+        first_(first),
         walks_(walks),
         seed_(seed),
         id_(next_id()) {}
@@ -127,6 +128,19 @@ class BeckmannDiffuse final : public StochasticModel {
   }
 
   /// By the same walks: albedo to the power of the events.
+  [[nodiscard]] std::vector<std::unique_ptr<Model>> split(int parts) const override {
+    std::vector<std::unique_ptr<Model>> list;
+    parts = std::min(parts, walks_);
+    for (int k = 0; k < parts; ++k) {
+      const auto before = [&](int part) {
+        return static_cast<int>(static_cast<std::int64_t>(walks_) * part / parts);
+      };
+      list.push_back(std::make_unique<BeckmannDiffuse>(albedo_, alpha_, before(k + 1) - before(k),
+                                                       seed_, first_ + before(k)));
+    }
+    return list;
+  }
+
   [[nodiscard]] Rgb albedo(Direction wi) const override {
     if (wi.z < 0) return Rgb();
     if (alpha_ == 0) return albedo_;
@@ -158,7 +172,7 @@ class BeckmannDiffuse final : public StochasticModel {
     thread_local Cache cache;
     if (cache.id != id_ || !(cache.wi == wi)) {
       cache.id = 0;
-      cache.events = walk(wi, alpha_, walks_, seed_);
+      cache.events = walk(wi, alpha_, first_, walks_, seed_);
       cache.wi = wi;
       cache.id = id_;
     }
@@ -184,7 +198,7 @@ class BeckmannDiffuse final : public StochasticModel {
 
   Rgb albedo_;
   double alpha_;
-  int walks_;
+  int first_, walks_;
   std::uint64_t seed_;
   std::uint64_t id_;  // of the cache
 };

@@ -15,6 +15,10 @@ class StochasticModel : public Model {
   /// eval with its standard error.
   [[nodiscard]] virtual ValueWithError eval_with_error(Direction wi, Direction wo) const = 0;
 
+  /// Independent estimates of the same model, about `parts` of them, whose scatter is eval's noise
+  /// with its covariance: eval is their mean, up to uneven shares of the random numbers.
+  [[nodiscard]] virtual std::vector<std::unique_ptr<Model>> split(int parts) const = 0;
+
  protected:
   using Model::Model;
 };

@@ -60,17 +60,52 @@ std::vector<double> grouped_values(const std::vector<double>& values, const std:
   return out;
 }
 
-double p_value_of(const BatchSums& sums, const std::vector<double>& model, const CellGrid& grid,
-                  int channels) {
+// A stochastic model's parts are dealt to the truth's batches, each taking its part's deviation
+// from the mean of all: the means stay, their covariance becomes that of the difference.
+void add_noise(BatchSums& sums,
+               const std::vector<std::array<std::vector<double>, kOrders + 1>>& parts, int order) {
+  if (parts.empty()) return;
+  const std::size_t cells = parts[0][order].size(), batches = sums.sums.size();
+  std::vector<double> mean(cells);
+  for (const auto& part : parts)
+    for (std::size_t k = 0; k < cells; ++k)
+      mean[k] += part[order][k] / static_cast<double>(parts.size());
+  const double stretch =
+      std::sqrt(static_cast<double>(batches) / static_cast<double>(parts.size()));
+  for (std::size_t b = 0; b < batches; ++b)
+    for (std::size_t k = 0; k < cells; ++k)
+      sums.sums[b][k] -= sums.walks[b] * stretch * (parts[b % parts.size()][order][k] - mean[k]);
+}
+
+// The bounded truth in every one of so many batches.
+BatchSums same_in_batches(const std::vector<double>& values, std::size_t batches) {
+  return {std::vector<double>(batches, 1.0), std::vector<std::vector<double>>(batches, values)};
+}
+
+// Standard errors of a stochastic model's cells.
+std::vector<double> noise_of_parts(
+    const std::vector<std::array<std::vector<double>, kOrders + 1>>& parts, int order) {
+  if (parts.empty()) return {};
+  BatchSums sums = same_in_batches(std::vector<double>(parts[0][order].size()), parts.size());
+  add_noise(sums, parts, order);
+  return means_of(sums).standard_error;
+}
+
+// `bounds`: of the truth's cells, where it has such.
+double p_value_of(const BatchSums& sums, const std::vector<double>& model,
+                  const std::vector<double>& bounds, const CellGrid& grid, int channels) {
   int patch_count = 0;
   const std::vector<int> patch = patches(grid, channels, patch_count);
   const BatchSums patched = grouped(sums, patch, patch_count);
   const std::vector<double> patched_model = grouped_values(model, patch, patch_count);
   // Patches that are seen too rarely are pooled like cells are.
-  const auto tests = [&](const BatchSums& s, const std::vector<double>& expected, bool hotelling) {
-    const auto uncertainty = [](const std::vector<double>& values) {
+  const auto tests = [&](const BatchSums& s, const std::vector<double>& expected,
+                         const std::vector<double>& known, bool hotelling) {
+    const auto uncertainty = [](const std::vector<double>& values,
+                                const std::vector<double>& within) {
       std::vector<double> out;
-      for (const double v : values) out.push_back(kProjectionTolerance * std::abs(v));
+      for (std::size_t k = 0; k < values.size(); ++k)
+        out.push_back(kProjectionTolerance * std::abs(values[k]) + within[k]);
       return out;
     };
     const std::vector<int> group = pooled_groups(s, kPooledEvents);
@@ -84,18 +119,21 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model, const
       if (mean.value[0] == 0)
         return std::exp(-std::max(0.0, total[0]) * grid.projected_solid_angle() *
                         std::accumulate(s.walks.begin(), s.walks.end(), 0.0) / channels);
-      return largest_deviation_p_value(mean, total, uncertainty(total), s.batches());
+      return largest_deviation_p_value(
+          mean, total, uncertainty(total, grouped_values(known, one, 1)), s.batches());
     }
     const BatchSums pooled = grouped(s, group, groups);
     const std::vector<double> pooled_expected = grouped_values(expected, group, groups);
-    const std::vector<double> known_to = uncertainty(pooled_expected);
+    const std::vector<double> known_to =
+        uncertainty(pooled_expected, grouped_values(known, group, groups));
     return hotelling ? hotelling_p_value(pooled, pooled_expected, known_to)
                      : largest_deviation_p_value(means_of(pooled), pooled_expected, known_to,
                                                  s.batches());
   };
   const double fewest = *std::min_element(sums.walks.begin(), sums.walks.end());
-  const double broad = tests(patched, patched_model, fewest >= kWalksPerBatch);
-  const double local = tests(sums, model, false);
+  const double broad = tests(patched, patched_model, grouped_values(bounds, patch, patch_count),
+                             fewest >= kWalksPerBatch);
+  const double local = tests(sums, model, bounds, false);
   return std::min(1.0, 2 * std::min(broad, local));
 }
 
@@ -138,8 +176,10 @@ std::string to_text(Verdict verdict) {
 
 std::vector<double> LobeComparison::z() const {
   std::vector<double> out(truth.size());
-  for (std::size_t k = 0; k < out.size(); ++k)
-    if (standard_error[k] > 0) out[k] = (model[k] - truth[k]) / standard_error[k];
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double error = std::hypot(standard_error[k], model_error.empty() ? 0 : model_error[k]);
+    if (error > 0) out[k] = (model[k] - truth[k]) / error;
+  }
   return out;
 }
 
@@ -158,11 +198,12 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     l.truth = side.lobes[o].value;
     l.standard_error = side.lobes[o].standard_error;
     l.model = model.lobes[o];
+    l.model_error = noise_of_parts(model.parts, o);
     l.bounded = !batches;
     const std::size_t cells = run.grid.cells(), n = l.truth.size();
     std::vector<int> channel_of(n);
     for (std::size_t k = 0; k < n; ++k) channel_of[k] = static_cast<int>(k / cells);
-    const BatchSums sums = batches ? lobe_sums(*batches, up, o) : BatchSums{};
+    BatchSums sums = batches ? lobe_sums(*batches, up, o) : BatchSums{};
     const Means energy = batches
                              ? means_of(grouped(sums, channel_of, run.channels))
                              : Means{grouped_values(l.truth, channel_of, run.channels),
@@ -173,10 +214,12 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
       l.energy_error.push_back(energy.standard_error[c] * solid_angle);
       l.energy_model.push_back(model_energy[c] * solid_angle);
     }
-    double squares = 0, noise = 0, truth_squares = 0;
+    double squares = 0, noise = 0, model_noise = 0, truth_squares = 0;
     for (std::size_t k = 0; k < n; ++k) {
       const double d = l.model[k] - l.truth[k];
       squares += d * d / n;
+      const double own = l.model_error.empty() ? 0 : l.model_error[k];
+      model_noise += own * own / n;
       if (batches) noise += l.standard_error[k] * l.standard_error[k] / n;
       truth_squares += l.truth[k] * l.truth[k] / n;
       l.max_error = std::max(l.max_error, std::abs(d));
@@ -188,11 +231,16 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     };
     l.rmse = std::sqrt(squares);
     l.relative_rmse = relative(l.rmse);
-    l.rmse_without_noise = std::sqrt(std::max(squares - noise, 0.0));
+    l.rmse_without_noise = std::sqrt(std::max(squares - noise - model_noise, 0.0));
     l.relative_rmse_without_noise = relative(l.rmse_without_noise);
-    l.p_value = batches               ? p_value_of(sums, l.model, run.grid, run.channels)
-                : is_within_bounds(l) ? 1
-                                      : 0;
+    if (batches || !model.parts.empty()) {
+      if (!batches) sums = same_in_batches(l.truth, model.parts.size());
+      add_noise(sums, model.parts, o);
+      const std::vector<double> bounds = batches ? std::vector<double>(n) : l.standard_error;
+      l.p_value = p_value_of(sums, l.model, bounds, run.grid, run.channels);
+    } else {
+      l.p_value = is_within_bounds(l) ? 1 : 0;
+    }
     lobes.push_back(std::move(l));
   }
   return lobes;
@@ -211,12 +259,14 @@ void decide(const std::vector<LobeComparison*>& lobes) {
     const double n = static_cast<double>(l->truth.size());
     for (std::size_t k = 0; k < l->truth.size(); ++k) {
       const double variance = l->standard_error[k] * l->standard_error[k];
-      fourth += variance * variance;
+      const double own = l->model_error.empty() ? 0 : l->model_error[k] * l->model_error[k];
+      const double both = (l->bounded ? 0 : variance) + own;
+      fourth += both * both;
       noise += variance / n;
       squares += l->truth[k] * l->truth[k] / n;
     }
     const double hidden =
-        l->bounded ? hidden_by_bounds(*l)
+        l->bounded ? hidden_by_bounds(*l) + 2 * std::sqrt(2 * fourth) / n
                    : l->rmse_without_noise * l->rmse_without_noise + 2 * std::sqrt(2 * fourth) / n;
     const double truth = l->bounded ? squares : std::max(squares - noise, 0.0);
     const bool nothing = squares == 0 && l->rmse == 0;

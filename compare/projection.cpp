@@ -5,6 +5,9 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "analytic/stochastic_model.h"
+#include "volume/simulation.h"
+
 namespace lamella {
 namespace {
 
@@ -81,6 +84,15 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   return true;
 }
 
+std::array<std::vector<double>, kOrders + 1> by_channel(const std::vector<Values>& cells,
+                                                        int channels) {
+  std::array<std::vector<double>, kOrders + 1> lobes;
+  for (std::size_t o = 0; o < lobes.size(); ++o)
+    for (int c = 0; c < channels; ++c)
+      for (const Values& cell : cells) lobes[o].push_back(cell[o][c]);
+  return lobes;
+}
+
 }  // namespace
 
 ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
@@ -107,12 +119,13 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   ProjectedLobes result;
   result.has[kOrders] = true;
   for (const LobeInfo& lobe : info.lobes) result.has[static_cast<int>(lobe.order)] = true;
-  for (int o = 0; o <= kOrders; ++o) {
-    result.lobes[o].resize(static_cast<std::size_t>(channels) * cells);
-    for (int c = 0; c < channels; ++c)
-      for (int cell = 0; cell < cells; ++cell)
-        result.lobes[o][static_cast<std::size_t>(c) * cells + cell] = coarse[cell][o][c];
-  }
+  result.lobes = by_channel(coarse, channels);
+  if (const auto* stochastic = dynamic_cast<const StochasticModel*>(&model))
+    for (const auto& part : stochastic->split(kBatches)) {
+      const CellIntegrator rough(*part, info, wi, grid, up);
+      tbb::parallel_for(0, cells, [&](int cell) { coarse[cell] = rough.means(cell, 1); });
+      result.parts.push_back(by_channel(coarse, channels));
+    }
   return result;
 }
 

@@ -13,6 +13,8 @@ namespace lamella {
 struct ProjectedLobes {
   std::array<std::vector<double>, kOrders + 1> lobes;
   std::array<bool, kOrders + 1> has{};  ///< whether the model has a lobe of that order; all: true
+  /// Of a stochastic model: lobes of independent estimates of it, whose scatter is its noise.
+  std::vector<std::array<std::vector<double>, kOrders + 1>> parts;
 };
 
 /// Relative accuracy of a projected cell: what a comparison may not hold against a model.
@@ -22,7 +24,9 @@ inline constexpr double kProjectionFloor = 1e-3;
 
 /// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
 /// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean). `up`: the
-/// side w_o lies on; channels: 1 or 3. Runs in the calling thread's task arena.
+/// side w_o lies on; channels: 1 or 3. A stochastic model's parts, as many as a run has batches,
+/// are projected without refinement: noise need not be known so well. Runs in the calling thread's
+/// task arena.
 [[nodiscard]] ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
                                      const CellGrid& grid, bool up, int channels);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "phase/builtin_stacks.h"
+#include "phase/random.h"
 #include "phase/stack_file.h"
 #include "tests/statistics/statistics.h"
 
@@ -201,6 +202,87 @@ TEST(Comparison, ZIsTheDifferenceInStandardErrors) {
   l.standard_error = {0.5, 0.25, 0};
   l.model = {2, 1, 1};
   EXPECT_EQ(l.z(), (std::vector<double>{2, -4, 0}));
+}
+
+// The exact lobes as a stochastic model finds them: times `factor`, and in each part off by a
+// normal number that all cells share, the mean of all parts by `noise` (relative).
+ProjectedLobes noisy(const ProjectedLobes& exact, double factor, double noise, std::uint64_t seed) {
+  ProjectedLobes model = exact;
+  RandomStream stream(seed, 0, StreamPurpose::test);
+  double mean = 0;
+  for (int part = 0; part < kBatches; ++part) {
+    const double u = stream.uniform(), v = stream.uniform();
+    const double g = noise * std::sqrt(-2.0 * kBatches * std::log(u)) * std::cos(2 * kPi * v);
+    mean += g / kBatches;
+    for (auto& lobe : model.parts.emplace_back(exact.lobes))
+      for (double& f : lobe) f *= factor * (1 + g);
+  }
+  for (auto& lobe : model.lobes)
+    for (double& f : lobe) f *= factor * (1 + mean);
+  return model;
+}
+
+// The lobe "all" of walks, or of bounds around the exact values, against a noisy model.
+LobeComparison judged(const Setting& setting, bool bounded, double factor, std::uint64_t seed) {
+  constexpr double kNoise = 0.05;
+  Simulation simulation(setting.stack, setting.plan, setting.wi, Estimator::analog, kGrid, seed);
+  simulation.advance(bounded ? 1000 : 100000);
+  RunResult run = reduce(simulation);
+  if (bounded) {
+    run.reflected.lobes[kOrders].value = setting.exact[0].lobes[kOrders];
+    for (double& bound : run.reflected.lobes[kOrders].standard_error) bound = 1e-6;
+  }
+  const ProjectedLobes model = noisy(setting.exact[0], factor, kNoise, seed);
+  LobeComparison l = compare(run, bounded ? nullptr : &simulation, model, true).back();
+  decide({&l});
+  return l;
+}
+
+TEST(Comparison, DoesNotHoldAStochasticModelsNoiseAgainstIt) {
+  const Setting setting(spheres("0.9", "inf"), 40);
+  constexpr int kTrials = 60;
+  for (const bool bounded : {false, true}) {
+    int refused = 0;
+    double with = 0, without = 0;
+    for (int k = 0; k < kTrials; ++k) {
+      const LobeComparison l = judged(setting, bounded, 1, 100 + k);
+      EXPECT_EQ(l.order, Order::all);
+      refused += l.verdict == Verdict::differs;
+      with += l.relative_rmse / kTrials;
+      without += l.relative_rmse_without_noise / kTrials;
+    }
+    EXPECT_LE(refused, most_refusals(kTrials, kReportFalseAlarm)) << bounded;
+    // The mean of |g| for normal g of deviation 5 % is 4 %; what exceeds 5 % of it, 0.9 %.
+    EXPECT_GT(with, 0.03) << bounded;
+    EXPECT_LT(without, 0.025) << bounded;
+  }
+}
+
+TEST(Comparison, StillFindsAStochasticModelThatIsFarOff) {
+  const Setting setting(spheres("0.9", "inf"), 40);
+  for (const bool bounded : {false, true}) {
+    const LobeComparison l = judged(setting, bounded, 1.5, 1);
+    EXPECT_EQ(l.verdict, Verdict::differs) << bounded;
+    EXPECT_NEAR(l.relative_rmse_without_noise, 0.5, 0.15) << bounded;
+    for (std::size_t k = 0; k < l.model.size(); ++k)
+      EXPECT_NEAR(l.model_error[k], 0.05 * 1.5 * setting.exact[0].lobes[kOrders][k],
+                  0.3 * 0.05 * 1.5 * setting.exact[0].lobes[kOrders][k]);
+  }
+}
+
+TEST(Comparison, SplitModelsAddUpToTheWhole) {
+  Parameters parameters;
+  fill_defaults(find_model("beckmann_diffuse")->parameters, parameters);
+  const auto model = find_model("beckmann_diffuse")->make(parameters, nullptr);
+  const ProjectedLobes lobes = project(*model, *find_model("beckmann_diffuse"),
+                                       direction_from_degrees(60, 0), kGrid, true, 1);
+  ASSERT_EQ(lobes.parts.size(), static_cast<std::size_t>(kBatches));
+  for (int cell = 0; cell < kGrid.cells(); ++cell) {
+    double mean = 0;
+    for (const auto& part : lobes.parts) mean += part[kOrders][cell] / kBatches;
+    // The parts' cells are quadrature of 4 x 4 points.
+    EXPECT_NEAR(mean, lobes.lobes[kOrders][cell], 0.01 * mean) << cell;
+  }
 }
 
 }  // namespace
