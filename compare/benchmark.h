@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/model_request.h"
 #include "compare/options.h"
 #include "compare/textbook_walk.h"
 
@@ -104,7 +105,28 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report);
 
-/// Nanoseconds per evaluation of every closed form, single and in batches.
-void measure_models(const BenchmarkEffort& effort, const ReportRow& report);
+/// How far a closed form is from the truth of a stack: relative RMSE of the reflected lobe without
+/// the noise, and the ends of the interval that holds it.
+struct ClosedFormError {
+  double error, low, high;
+};
+
+/// A closed form that claims a stack, with the parameters that it claims.
+struct JudgedClosedForm {
+  BoundModel bound;
+  ClosedFormError error;
+};
+
+/// Every closed form that claims the stack, beside the solver where that is exact within four times
+/// effort.accuracy_seconds, else beside a walk of that length.
+[[nodiscard]] std::vector<JudgedClosedForm> judged_closed_forms(const Stack& stack,
+                                                                const BenchmarkEffort& effort,
+                                                                std::uint64_t seed);
+
+/// Nanoseconds per evaluation of every closed form, single and in batches on the lanes of
+/// effort.isa, against its textbook version where there is one, and the model's error where it
+/// claims one of the stacks of the walk rows. Grey. Parameters: what the first such stack gives,
+/// else the defaults.
+void measure_models(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 }  // namespace lamella

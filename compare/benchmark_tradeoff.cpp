@@ -127,32 +127,41 @@ std::pair<double, double> error_interval(const LobeComparison& l, double s) {
   return {std::sqrt(std::max(0.0, e * e - margin)), std::sqrt(e * e + margin)};
 }
 
-// The closed forms that claim the stack.
+// The closed forms that claim the stack, one pair after the other.
 void measure_closed_forms(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t seed,
                           const ReportRow& report) {
-  const Truth truth = truth_of(stack, effort, seed);
-  for (const BoundModel& bound : models_for(Options{}, stack)) {
-    for (const LobeComparison& l : judge(truth, make_plan(stack), bound)) {
-      if (l.order != Order::all || !l.reflected) continue;
-      std::vector<double> times;
-      for (int k = 0; k < effort.repetitions; ++k)
-        times.push_back(nanoseconds_per_eval(*bound.model));
-      std::sort(times.begin(), times.end());
-      const auto [low, high] = error_interval(l, noise_of(truth.run.reflected.lobes[kTallyOrders]));
-      const double e = l.relative_rmse_without_noise;
-      // Below the noise only the upper end is known.
-      BenchmarkRow row = row_of(stack.name, bound.info->name, "closed_form",
-                                times[times.size() / 2], e > 0 ? e : high);
-      row.extra["error_low"] = low;
-      row.extra["error_high"] = high;
-      row.extra["ns_low"] = times.front();
-      row.extra["ns_high"] = times.back();
-      report(std::move(row));
-    }
+  for (const JudgedClosedForm& judged : judged_closed_forms(stack, effort, seed)) {
+    std::vector<double> times;
+    for (int k = 0; k < effort.repetitions; ++k)
+      times.push_back(nanoseconds_per_eval(*judged.bound.model));
+    std::sort(times.begin(), times.end());
+    const auto [error, low, high] = judged.error;
+    // Below the noise only the upper end is known.
+    BenchmarkRow row = row_of(stack.name, judged.bound.info->name, "closed_form",
+                              times[times.size() / 2], error > 0 ? error : high);
+    row.extra["error_low"] = low;
+    row.extra["error_high"] = high;
+    row.extra["ns_low"] = times.front();
+    row.extra["ns_high"] = times.back();
+    report(std::move(row));
   }
 }
 
 }  // namespace
+
+std::vector<JudgedClosedForm> judged_closed_forms(const Stack& stack, const BenchmarkEffort& effort,
+                                                  std::uint64_t seed) {
+  std::vector<JudgedClosedForm> list;
+  const Truth truth = truth_of(stack, effort, seed);
+  for (BoundModel& bound : models_for(Options{}, stack))
+    for (const LobeComparison& l : judge(truth, make_plan(stack), bound)) {
+      if (l.order != Order::all || !l.reflected) continue;
+      const auto [low, high] = error_interval(l, noise_of(truth.run.reflected.lobes[kTallyOrders]));
+      list.push_back({std::move(bound), {l.relative_rmse_without_noise, low, high}});
+      break;
+    }
+  return list;
+}
 
 void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
   tbb::task_arena one(1);

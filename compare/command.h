@@ -13,6 +13,8 @@ int furnace_command(const Options& options);
 /// Depth profiles in the place of the stack's grids, and what that costs.
 int homogenise_command(const Options& options);
 int bench_command(const Options& options);
+/// What bench measures, in its order: the words of --only.
+[[nodiscard]] std::vector<std::string> bench_parts();
 int accuracy_command(const Options& options);
 int preview_command(const Options& options);
 int sweep_command(const Options& options);

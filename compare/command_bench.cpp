@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "compare/benchmark.h"
 #include "compare/command.h"
 #include "compare/json_report.h"
@@ -17,6 +19,8 @@ std::string cell(std::optional<double> x, const char* format) {
 
 void print_row(std::FILE* out, const BenchmarkRow& row) {
   std::string note = row.baseline;
+  if (row.extra.contains("ns_textbook"))
+    note += fmt::format(", {:.1f} ns", row.extra["ns_textbook"].get<double>());
   if (row.extra.contains("variance_ratio"))
     note +=
         fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
@@ -43,7 +47,27 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   std::fflush(out);
 }
 
+struct BenchPart {
+  const char* name;
+  std::function<void(const BenchmarkEffort&, std::uint64_t seed, const ReportRow&)> measure;
+};
+const std::vector<BenchPart>& parts() {
+  static const std::vector<BenchPart> list{
+      {"walks", measure_walks},          {"plan", measure_plan},
+      {"threads", measure_threads},      {"accuracy", measure_accuracy},
+      {"solver", measure_deterministic}, {"grids", measure_grids},
+      {"models", measure_models},        {"tradeoff", measure_tradeoff},
+      {"grains", measure_grain_tracing}};
+  return list;
+}
+
 }  // namespace
+
+std::vector<std::string> bench_parts() {
+  std::vector<std::string> names;
+  for (const BenchPart& part : parts()) names.emplace_back(part.name);
+  return names;
+}
 
 int bench_command(const Options& options) {
   if (!options.html.empty()) check_output_file(options.html);
@@ -58,21 +82,17 @@ int bench_command(const Options& options) {
     if (!options.quiet) print_row(out, row);
     rows.push_back(to_json(row));
   };
-  const std::function<void()> parts[] = {
-      [&] { measure_walks(effort, options.seed, report); },
-      [&] { measure_plan(effort, options.seed, report); },
-      [&] { measure_threads(effort, options.seed, report); },
-      [&] { measure_accuracy(effort, options.seed, report); },
-      [&] { measure_deterministic(effort, options.seed, report); },
-      [&] { measure_grids(effort, options.seed, report); },
-      [&] { measure_models(effort, report); },
-      [&] { measure_tradeoff(effort, options.seed, report); },
-      [&] { measure_grain_tracing(effort, options.seed, report); },
-  };
-  for (const auto& part : parts)
-    if (!interrupted) part();
+  std::vector<std::string> measured;
+  for (const BenchPart& part : parts()) {
+    const bool wanted = options.only.empty() || std::find(options.only.begin(), options.only.end(),
+                                                          part.name) != options.only.end();
+    if (!wanted || interrupted) continue;
+    part.measure(effort, options.seed, report);
+    measured.emplace_back(part.name);
+  }
   Json answer = json_header("bench", options);
   answer["quick"] = options.quick;
+  answer["parts"] = measured;
   answer["interrupted"] = interrupted.load();
   answer["rows"] = std::move(rows);
   write_html(answer, "Speed against error", options);

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "compare/command.h"
 #include "compare/option_definitions.h"
 
@@ -38,6 +40,11 @@ void define_bench(CommandLine& line) {
   add_threads(command, line, "Threads of the scaling row");
   add_isa(command, line);
   command.add_flag("--quick", line.options.quick, "Every row in a few seconds: noisy");
+  command.add_option("--only", line.options.only, "A part of it, repeatable (default: all)")
+      ->transform(one_of(bench_parts()))
+      ->type_name(fmt::format("{}", fmt::join(bench_parts(), "|")))
+      ->take_all()
+      ->allow_extra_args(false);
   add_json(command, line);
   add_html(command, line);
 }

@@ -97,6 +97,14 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
         for model in self.json_of("models")["models"]:
             self.assertIn("eval/" + model["name"], whats)
             self.assertIn("eval_batch/" + model["name"], whats)
+        rows = {row["what"]: row for row in answer["rows"]}
+        for model in ("eon", "eon_approx", "lambert_sphere", "vmf_diffuse"):
+            row = rows["eval_batch/" + model]
+            self.assertEqual(row["baseline"], "textbook scalar code")
+            self.assertEqual(row["isa"], answer["isa"])
+        for model in ("lambert_sphere", "vmf_diffuse"):
+            self.assertGreater(rows["eval/" + model]["error"], 0)
+        self.assertIsNone(rows["eval/eon"]["error"])
         solved = [row for row in answer["rows"] if row["kind"] == "deterministic"]
         self.assertIn("hg_slab/solve/1e-04", [row["what"] for row in solved])
         self.assertTrue(all(row["seconds"] > 0 and row["nodes"] > 0 for row in solved))
@@ -105,6 +113,12 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
             less = {k: v for k, v in answer["rows"][0].items() if k != key}
             with self.assertRaises(jsonschema.ValidationError):
                 check_schema("bench", {**answer, "rows": [less]})
+
+    def test_bench_measures_the_parts_that_are_asked_for(self):
+        answer = self.json_of("bench", "--quick", "--quiet", "--only", "models", "--only", "plan")
+        self.assertEqual(answer["parts"], ["plan", "models"])
+        self.assertEqual({row["what"].split("/")[0] for row in answer["rows"]},
+                         {"lambert_sphere_halfspace", "eval", "eval_batch"})
 
 
 def objects_in(schema):
