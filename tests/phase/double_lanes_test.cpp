@@ -46,7 +46,7 @@ TEST_P(DoubleLanes, CosineAndErrorFunctionKeepTheirStatedErrors) {
     const Probed p = probed(GetParam(), -end, end);
     for (std::size_t i = 0; i < kCount; ++i) {
       EXPECT_NEAR(p.cos[i], std::cos(p.x[i]), 4e-16) << p.x[i];
-      EXPECT_NEAR(p.erf[i], std::erf(p.x[i]), 6e-16) << p.x[i];
+      EXPECT_NEAR(p.erf[i], std::erf(p.x[i]), 9e-16) << p.x[i];
     }
   }
   const std::vector<double> x(16, -std::numeric_limits<double>::infinity());
@@ -73,7 +73,7 @@ TEST_P(DoubleLanes, AnglesKeepTheirStatedErrorFromZeroToPi) {
   probe_angles_for(GetParam())(sine.data(), cosine.data(), angle.data(), kCount);
   for (std::size_t i = 0; i < kCount; ++i) {
     const double exact = std::atan2(sine[i], cosine[i]);
-    EXPECT_NEAR(angle[i], exact, 5e-16 * exact) << sine[i] << ' ' << cosine[i];
+    EXPECT_NEAR(angle[i], exact, 7e-16 * exact) << sine[i] << ' ' << cosine[i];
   }
 }
 
