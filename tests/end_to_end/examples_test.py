@@ -2,7 +2,7 @@ import os
 import pathlib
 import subprocess
 
-from lamella_program import PROGRAM, ProgramTest
+from lamella_program import LIMIT, PROGRAM, ProgramTest
 
 COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "fit", "invert", "eval", "bench", "sweep",
             "preview", "show", "rerun", "completion", "man", "explain", "models", "media", "stacks",
@@ -21,7 +21,7 @@ class ExamplesOfHelpWorkAsPrinted(ProgramTest):
                             if line.startswith("Example: ")]
                 self.assertEqual(len(examples), 1)
                 process = subprocess.run(["sh", "-ec", examples[0]], capture_output=True, text=True,
-                                         cwd=self.folder, timeout=200, check=False,
+                                         cwd=self.folder, timeout=LIMIT, check=False,
                                          env={**os.environ, "PATH": path})
                 self.assertEqual(process.returncode, 0, examples[0] + process.stderr)
                 self.assertNotEqual(process.stdout, "")

@@ -12,6 +12,8 @@ import unittest
 import jsonschema
 
 PROGRAM = os.environ["LAMELLA"]
+# Seconds for one command: of a run that hangs, in any build.
+LIMIT = float(os.environ.get("LAMELLA_TEST_TIMEOUT", 200))
 SCHEMAS = pathlib.Path(os.environ["LAMELLA_SCHEMA"])
 
 # What may differ between equal runs.
@@ -44,7 +46,7 @@ class ProgramTest(unittest.TestCase):
 
     def run_program(self, *arguments, stdin=""):
         process = subprocess.run([PROGRAM, *arguments], input=stdin, capture_output=True, text=True,
-                                 cwd=self.folder, timeout=120, check=False)
+                                 cwd=self.folder, timeout=LIMIT, check=False)
         return Answer(arguments, process, process.stdout, process.stderr)
 
     def lamella(self, *arguments, stdin="", status=0):

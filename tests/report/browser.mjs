@@ -15,7 +15,7 @@ export const folder = mkdtempSync(join(tmpdir(), "lamella-pages-"));
 // Runs the program in the folder of this test; any status of `allowed` will do.
 export async function lamella(...words) {
   try {
-    await promisify(execFile)(process.env.LAMELLA, words, {cwd: folder, timeout: 200000});
+    await promisify(execFile)(process.env.LAMELLA, words, {cwd: folder, timeout: 1000 * (process.env.LAMELLA_TEST_TIMEOUT ?? 200)});
   } catch (error) {
     throw new Error(`lamella ${words.join(" ")}: ${error.code} ${error.stderr}`);
   }
