@@ -4,7 +4,7 @@
 #include "analytic/reflection_angles.h"
 #include "analytic/three_term_formula.h"
 #include "phase/color.h"
-#include "phase/lambert_sphere_formula.h"
+#include "phase/lambert_sphere_formulas.h"
 
 namespace lamella {
 
@@ -15,7 +15,7 @@ namespace lamella {
 template <class Real>
 [[nodiscard]] Real lambert_sphere_single_of(const Angles<Real>& a) {
   const Real cosine = -multiply_add(a.mu_i, a.mu_o, a.sines_cos);
-  return lambert_sphere_phase_of(max(Real(-1), min(Real(1), cosine))) / (a.mu_i + a.mu_o);
+  return lambert_sphere_phase(max(Real(-1), min(Real(1), cosine))) / (a.mu_i + a.mu_o);
 }
 
 /// H0 of eq. 37 for one albedo: (1 + a mu^d) / (1 + a mu^d / H0(infinity)).

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "phase/real.h"
+
 namespace lamella {
 
 /// A quantity per colour channel: red, green, blue. Grey means three equal values.
@@ -30,8 +32,9 @@ struct Rgb {
 [[nodiscard]] constexpr Rgb schlick(Rgb f0, double s) { return f0 + s * (Rgb(1) - f0); }
 
 /// (1 - cosine)^5 for a cosine in [0, 1].
-[[nodiscard]] constexpr double schlick_weight(double cosine) {
-  const double m = std::clamp(1 - cosine, 0.0, 1.0);
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Real schlick_weight(Real cosine) {
+  const Real m = min(nonnegative(Real(1) - cosine), Real(1));
   return m * m * m * m * m;
 }
 

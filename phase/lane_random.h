@@ -3,14 +3,12 @@
 // Random numbers on lanes: a stream per lane, like RandomStream's. Only for sources of
 // lamella_lanes(), see phase/lanes.h.
 
+#include "phase/block_random.h"
 #include "phase/lanes.h"
 
 namespace lamella::LAMELLA_ISA {
 
-/// Four words per lane.
-struct WordBlock {
-  Words w[4];
-};
+using WordBlock = lamella::WordBlock<Words>;
 
 /// Philox 4x32 with 7 rounds of the counter (c0, c1, c2, c3): the numbers of RandomStream.
 /// The lanes of even and of odd place are carried apart in the halves of 64-bit products, so that

@@ -13,11 +13,11 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "phase/real.h"
+
 #ifndef LAMELLA_ISA
 #error "phase/lanes.h is for sources of lamella_lanes()"
 #endif
-
-#define LAMELLA_INLINE [[gnu::always_inline]] inline
 
 namespace lamella::LAMELLA_ISA {
 
@@ -33,6 +33,7 @@ struct Mask {
   LAMELLA_INLINE friend Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
   LAMELLA_INLINE friend Mask operator^(Mask a, Mask b) { return {hn::Xor(a.m, b.m)}; }
   LAMELLA_INLINE friend Mask operator!(Mask a) { return {hn::Not(a.m)}; }
+  LAMELLA_INLINE friend Mask without(Mask a, Mask b) { return {hn::AndNot(b.m, a.m)}; }
 };
 
 /// So many numbers of type T, float or double (Floats, Doubles below) or std::uint32_t (Words).
@@ -41,6 +42,9 @@ struct Lane {
   using Tag = hn::ScalableTag<T>;
   using Vector = hn::Vec<Tag>;
   static constexpr int kCount = HWY_LANES(T);
+  using ScalarType = T;
+  using MaskType = Mask<T>;
+  using WordsType = Lane<std::uint32_t>;
 
   Vector v;
 
@@ -222,6 +226,28 @@ LAMELLA_INLINE Lane<T> permute(Lane<T> a, Words index) {
   const typename Lane<T>::Tag d;
   return hn::TableLookupLanes(
       a.v, hn::IndicesFromVec(d, hn::BitCast(hn::ScalableTag<std::int32_t>(), index.v)));
+}
+
+/// The names that formulas for any number type use, see phase/real.h.
+LAMELLA_INLINE Floats number_of(Words a) { return to_floats(a); }
+LAMELLA_INLINE Words word_of(Floats a) { return to_words(a); }
+
+/// table[index] per lane, of 16 numbers; of the index its last four bits count.
+LAMELLA_INLINE Floats lookup(const float* table, Words index) {
+  constexpr int n = Floats::kCount;
+  if constexpr (n == 16) {
+    return permute(Floats::load(table), index);
+  } else if constexpr (n == 8) {
+    const Words low = index & Words(7u);
+    return select(to_float_mask(equal(index & Words(8u), Words(0u))),
+                  permute(Floats::load(table), low), permute(Floats::load(table + n), low));
+  } else {
+    alignas(16) std::uint32_t at[n];
+    alignas(16) float found[n];
+    (index & Words(15u)).store(at);
+    for (int k = 0; k < n; ++k) found[k] = table[at[k]];
+    return Floats::load(found);
+  }
 }
 
 /// table[index] per lane.

@@ -18,20 +18,18 @@ template <class Real>
 /// Direction about the unit vector n with density cos / pi: the normalised sum of n and a uniform
 /// point of the sphere (Lambert's law needs no frame). At the antipode itself, n.
 template <class Real>
-[[nodiscard]] Vec3<Real> cosine_hemisphere(Vec3<Real> n, Real u1, Real u2) {
-  using std::sqrt;
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> cosine_hemisphere(Vec3<Real> n, Real u1,
+                                                                      Real u2) {
   const Vec3<Real> v = n + uniform_sphere(u1, u2);
   const Real l2 = dot(v, v);
-  if (!(l2 > Real(0))) return n;
-  return (Real(1) / sqrt(l2)) * v;
+  return select(l2 > Real(0), reciprocal_sqrt(l2) * v, n);
 }
 
 /// The direction that makes the given cosine with the unit vector axis, at azimuth 2 pi u.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine, Real u) {
   using std::sqrt;
-  const Real s2 = (Real(1) - cosine) * (Real(1) + cosine);
-  const Real s = sqrt(s2 > Real(0) ? s2 : Real(0));
+  const Real s = sqrt(nonnegative((Real(1) - cosine) * (Real(1) + cosine)));
   const auto [sin_phi, cos_phi] = sine_cosine_of_turns(u);
   const Frame<Real> frame = frame_around(axis);
   return renormalized(frame.to_world({s * cos_phi, s * sin_phi, cosine}));
@@ -40,7 +38,7 @@ template <class Real>
 /// w mirrored at the plane with unit normal m: 2 (w.m) m - w, renormalised so that errors do not
 /// grow along a walk.
 template <class Real>
-[[nodiscard]] Vec3<Real> mirrored(Vec3<Real> w, Vec3<Real> m) {
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> mirrored(Vec3<Real> w, Vec3<Real> m) {
   return renormalized(Real(2) * dot(w, m) * m - w);
 }
 

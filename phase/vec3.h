@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "phase/real.h"
+
 namespace lamella {
 
 /// Three numbers; Real is double (the reference) or a pack of float lanes. Directions are unit
@@ -38,8 +40,14 @@ template <class Real>
 /// The unit vector along a. a must not be zero.
 template <class Real>
 [[nodiscard]] Vec3<Real> normalized(Vec3<Real> a) {
-  using std::sqrt;
-  return (Real(1) / sqrt(dot(a, a))) * a;
+  return reciprocal_sqrt(dot(a, a)) * a;
+}
+
+/// a where the condition holds, else b.
+template <class Mask, class Real>
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> select(Mask condition, Vec3<Real> a,
+                                                           Vec3<Real> b) {
+  return {select(condition, a.x, b.x), select(condition, a.y, b.y), select(condition, a.z, b.z)};
 }
 
 /// A vector whose length is 1 up to rounding, made unit again by one step of Newton's: an error e
@@ -65,13 +73,14 @@ struct Frame {
 /// A frame around the unit vector n without branches (Duff et al. 2017, "Building an orthonormal
 /// basis, revisited", JCGT 6(1)). n = +z gives the identity.
 template <class Real>
-[[nodiscard]] Frame<Real> frame_around(Vec3<Real> n) {
+[[nodiscard, gnu::always_inline]] inline Frame<Real> frame_around(Vec3<Real> n) {
   using std::copysign;
   const Real sign = copysign(Real(1), n.z);
-  const Real a = Real(-1) / (sign + n.z);
+  const Real a = -reciprocal(sign + n.z);
   const Real b = n.x * n.y * a;
-  return {
-      {Real(1) + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+  return {{multiply_add(sign * n.x * n.x, a, Real(1)), sign * b, -sign * n.x},
+          {b, multiply_add(n.y * n.y, a, sign), -n.y},
+          n};
 }
 
 }  // namespace lamella

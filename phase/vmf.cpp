@@ -7,6 +7,7 @@
 
 #include "phase/clamped_cosines.h"
 #include "phase/flake.h"
+#include "phase/vmf_mixture.h"
 
 namespace lamella {
 namespace {
@@ -323,26 +324,15 @@ Direction Vmf::normal_by_mixture(Direction wi, double u, RandomStream& stream) c
   const double s = std::sqrt(std::max(0.0, (1 - u) * (1 + u)));
   const Direction tangent = s > 1e-12 ? normalized(wi - u * axis_) : frame_around(axis_).s;
   const Direction binormal = cross(axis_, tangent);
-  const double sign = u < 0 ? -1 : 1;
-  const double axial = std::abs(u) * (u < 0 ? back_ : front_);
-  const double tangential = s * side_;
+  const VisibleNormalMixture<double> mixture{front_, back_, side_};
+  const double axial = mixture.axial(u), total = mixture.majorant(u, s);
   for (;;) {
-    Direction m;  // in the frame (tangent, binormal, axis)
-    if (stream.uniform() * (axial + tangential) < axial) {
-      const double below =
-          u < 0 ? 1 + decaying_cosine(kappa_, stream) : axial_complement(kappa_, stream);
-      const double r = std::sqrt(below * (2 - below)), v = 1 - below;
-      const auto [sine, cosine] = sine_cosine_of_turns(stream.uniform());
-      m = {r * cosine, r * sine, v};
-    } else {
-      const double below = tangential_complement(kappa_, stream);
-      const double r = std::sqrt(below * (2 - below)), v = 1 - below;
-      const double sin_phi = 2 * stream.uniform() - 1;
-      m = {r * std::sqrt((1 - sin_phi) * (1 + sin_phi)), r * sin_phi, v};
-    }
-    const double projected = u * m.z + s * m.x;
-    const double bound = std::abs(u) * std::max(0.0, sign * m.z) + s * std::max(0.0, m.x);
-    if (stream.uniform() * bound < projected)
+    const bool is_axial = stream.uniform() * total < axial;
+    const double below = !is_axial ? tangential_complement(kappa_, stream)
+                         : u < 0   ? 1 + decaying_cosine(kappa_, stream)
+                                   : axial_complement(kappa_, stream);
+    const Direction m = proposed_normal(is_axial, below, stream.uniform());
+    if (takes_visible_normal(u, s, m, stream.uniform()))
       return renormalized(m.x * tangent + m.y * binormal + m.z * axis_);
   }
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "volume/lane_walk.h"
+#include "volume/layer_numbers.h"
 
 namespace lamella {
 namespace {
@@ -42,9 +42,9 @@ class Quantiles {
   std::vector<double> sums_;
 };
 
-// Appends the cubics of value(t), monotone: slopes at most three times those of the secants beside.
-template <class Value>
-void append(std::vector<float>& table, const Value& value) {
+}  // namespace
+
+void append_cubics(std::vector<float>& table, const std::function<double(double)>& value) {
   constexpr int n = kMarginalPieces;
   std::vector<double> y(n + 1), slope(n + 1);
   for (int k = 0; k <= n; ++k) y[k] = value(static_cast<double>(k) / n);
@@ -63,15 +63,13 @@ void append(std::vector<float>& table, const Value& value) {
       table.push_back(static_cast<float>(c));
 }
 
-}  // namespace
-
 std::vector<float> vmf_marginals(double kappa) {
   std::vector<float> table;
   table.reserve(16 * kMarginalPieces);
   const Quantiles axial([=](double v) { return v * std::exp(kappa * (v - 1)); }, 1);
-  append(table, [&](double t) { return 1 - axial(t * t); });
+  append_cubics(table, [&](double t) { return 1 - axial(t * t); });
   const Quantiles back([=](double x) { return x * std::exp(-kappa * x); }, 1);
-  append(table, [&](double t) { return 1 + back(t * t); });
+  append_cubics(table, [&](double t) { return 1 + back(t * t); });
   // By the angle from the mean normal.
   const auto tangential = [=](double angle) {
     const double s = std::sin(angle);
@@ -82,10 +80,10 @@ std::vector<float> vmf_marginals(double kappa) {
     const double s = std::sin(angle / 2);
     return 2 * s * s;
   };
-  append(table, [&](double t) { return complement(upper(t * t * t / 2)); });
+  append_cubics(table, [&](double t) { return complement(upper(t * t * t / 2)); });
   const Quantiles lower([=](double angle) { return tangential(std::numbers::pi - angle); },
                         std::numbers::pi);
-  append(table, [&](double t) { return 2 - complement(lower(t * t * t / 2)); });
+  append_cubics(table, [&](double t) { return 2 - complement(lower(t * t * t / 2)); });
   return table;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 namespace lamella {
@@ -14,6 +15,9 @@ namespace lamella {
 /// kappa in [0, kLargestMarginalKappa]. The cumulative probability at a table's value differs from
 /// xi by less than 2e-5.
 [[nodiscard]] std::vector<float> vmf_marginals(double kappa);
+/// Appends kMarginalPieces cubics of a monotone value(t), t in [0, 1]: slopes at most three times
+/// those of the secants beside.
+void append_cubics(std::vector<float>& table, const std::function<double(double)>& value);
 inline constexpr double kLargestMarginalKappa = 50;
 
 }  // namespace lamella

@@ -1,11 +1,9 @@
 #pragma once
 
-// Next-event estimation on lanes. Only for sources of lamella_lanes(). Terms are rounded to
-// multiples of 1 / kPointUnits, whose sums are the same in any order.
+// Next-event estimation on lanes: every event sends its light to every direction asked for. Only
+// for sources of lamella_lanes().
 
-#include "phase/lane_math.h"
-#include "phase/vec3.h"
-#include "volume/lane_walk.h"
+#include "volume/lane_walks.h"
 
 namespace lamella::LAMELLA_ISA {
 
@@ -38,66 +36,272 @@ struct FixedPoint {
   }
 };
 
-struct NoPoints {
-  template <class M, class Event>
-  LAMELLA_INLINE void operator()(const M&, const Event&, Floats, Words, FloatMask) {}
-};
-
-/// One direction after the other, all lanes at once.
-struct FewPoints {
-  static constexpr int kMost = 4;
-  const LanePoints& points;
-  float depth;
-
-  template <class M, class Event>
-  LAMELLA_INLINE void operator()(const M& medium, const Event& event, Floats y, Words order,
-                                 FloatMask counts) {
-    for (int j = 0; j < points.count; ++j) {
-      const Vec3<Floats> wo{Floats(points.x[j]), Floats(points.y[j]), Floats(points.z[j])};
-      const Floats way = j < points.up ? y : Floats(depth) - y;
-      const Floats term = select(
-          counts, medium.density(event, wo) * exp(-(way * Floats(points.rate[j]))), Floats(0));
-      for (std::uint32_t slot = 0; slot < 4; ++slot) {
-        const FloatMask here =
-            counts & to_float_mask(slot < 3 ? equal(order, Words(slot + 1)) : order >= Words(4u));
-        if (!any(here)) continue;
-        points.sums[static_cast<int>(slot) * points.padded + j] +=
-            FixedPoint(select(here, term, Floats(0))).sum();
-      }
-    }
+/// A lane's event, for all lanes to see.
+struct StoredEvents {
+  alignas(64) float numbers[4][kLanes];
+  template <class M>
+  LAMELLA_INLINE StoredEvents(const M&, const LaneEvent<Floats>& e) {
+    const Vec3<Floats> w = M::kDiffuse ? e.normal : e.wi;
+    w.x.store(numbers[0]), w.y.store(numbers[1]), w.z.store(numbers[2]);
+    e.inverse_sigma.store(numbers[3]);
+  }
+  [[nodiscard]] LAMELLA_INLINE LaneEvent<Floats> of(int lane) const {
+    const Vec3<Floats> w{Floats(numbers[0][lane]), Floats(numbers[1][lane]),
+                         Floats(numbers[2][lane])};
+    return {w, w, Floats(numbers[3][lane]), every_lane<Floats>()};
   }
 };
 
-/// One event after the other, as many directions at once as there are lanes.
-struct ManyPoints {
-  const LanePoints& points;
-  float depth;
+/// Gives events to the sums of points or cells. C: weights that walks carry.
+template <int C>
+struct NextEventOnLanes {
+  const LaneWalkTask& t;
+  LaneSums& sums;
+  static constexpr int kFew = 4;  // up to so many points one after the other, all lanes at once
 
-  template <class M, class Event>
-  LAMELLA_INLINE void operator()(const M& medium, const Event& event, Floats y, Words order,
-                                 FloatMask counts) {
-    constexpr int n = Floats::kCount;
-    alignas(64) float numbers[Event::kNumbers * n], depths[n];
-    alignas(64) std::uint32_t orders[n];
-    event.store(numbers);
-    y.store(depths);
-    order.store(orders);
-    for (std::uint32_t left = mask_bits(counts); left != 0; left &= left - 1) {
-      const int lane = __builtin_ctz(left);
-      const Event one = Event::broadcast_from(numbers, lane);
-      const std::uint32_t slot = (orders[lane] < 4 ? orders[lane] : 4) - 1;
-      std::int64_t* sums = points.sums + static_cast<int>(slot) * points.padded;
-      const Floats above(depths[lane]), below(depth - depths[lane]);
-      const Floats up(points.up);
-      for (int j = 0; j < points.padded; j += n) {
-        const Vec3<Floats> wo{Floats::load(points.x + j), Floats::load(points.y + j),
-                              Floats::load(points.z + j)};
-        const Floats rate = Floats::load(points.rate + j);
-        const Floats way = select(wo.z > Floats(0), above, below);
-        const Floats tau = way * rate;
-        FixedPoint(medium.density(one, wo) * exp(-tau)).add_to(sums + j);
+  template <class All, class M>
+  LAMELLA_INLINE void operator()(All all, const M& medium, const LaneEvent<Floats>& event,
+                                 const LaneState<Floats, C>& w, FloatMask counts) const {
+    if (t.estimate != LaneEstimate::points && t.estimate != LaneEstimate::cells_next_event) return;
+    if (!any(counts)) return;
+    if (t.estimate == LaneEstimate::points && t.points.count <= kFew)
+      few(all, medium, event, w, counts);
+    else
+      many(all, medium, event, w, counts);
+  }
+
+ private:
+  /// What an event of each lane sends out in a channel, Schlick's factor apart.
+  template <class M>
+  LAMELLA_INLINE Floats share(const M&, const LaneState<Floats, C>& w, int channel) const {
+    if constexpr (C > 0) {
+      const Floats albedo = M::kKind == LaneMediumKind::substrate
+                                ? Floats(t.walk.substrate_albedo[channel])
+                                : lookup(t.walk.layers->value[kAlbedo + channel], w.layer);
+      return w.weight[channel] * albedo;
+    } else {
+      if (t.channels == 1) return Floats(1);
+      const Words order = min(w.order + Words(1u), Words(t.order_cap));
+      return gather(t.event_weight + static_cast<std::uint32_t>(channel) * (t.order_cap + 1),
+                    order);
+    }
+  }
+  template <class M>
+  [[nodiscard]] LAMELLA_INLINE bool has_fresnel(const M&) const {
+    return C > 0 && M::kMirror && t.walk.fresnel;
+  }
+
+  template <class All, class M>
+  LAMELLA_INLINE void few(All, const M& medium, const LaneEvent<Floats>& event,
+                          const LaneState<Floats, C>& w, FloatMask counts) const {
+    constexpr int kStride = kMostLaneLayers + 1;
+    const LanePoints& p = t.points;
+    const int substrate = t.walk.layer_count;
+    const Floats depth = All::value ? Floats(t.walk.layers->value[kDepth][0])
+                                    : lookup(t.walk.layers->value[kDepth], w.layer);
+    const Words order = w.order + Words(1u);
+    for (int j = 0; j < p.count; ++j) {
+      const Vec3<Floats> wo{Floats(p.x[j]), Floats(p.y[j]), Floats(p.z[j])};
+      const float* rates = p.rate_by_point + j * kStride;
+      const float* beyond = p.beyond_by_point + j * kStride;
+      Floats tau;
+      if constexpr (M::kKind == LaneMediumKind::substrate) {
+        tau = Floats(beyond[substrate]);
+      } else {
+        const Floats way = j < p.up ? w.y : depth - w.y;
+        tau = All::value ? way * Floats(rates[0])
+                         : multiply_add(way, lookup(rates, w.layer), lookup(beyond, w.layer));
+      }
+      const Floats value = medium.density(event, wo) * exp(-tau);
+      for (int c = 0; c < t.channels; ++c) {
+        Floats term = value * share(medium, w, c);
+        if (has_fresnel(medium)) {
+          const Floats f0 = lookup(t.walk.layers->value[kF0 + c], w.layer);
+          term = term * multiply_add(schlick_weight(half_cosine(event.wi, wo)), Floats(1) - f0, f0);
+        }
+        for (std::uint32_t slot = 0; slot < kRouletteOrder; ++slot) {
+          const FloatMask here =
+              counts & to_float_mask(slot + 1 < kRouletteOrder ? equal(order, Words(slot + 1))
+                                                               : order >= Words(kRouletteOrder));
+          if (!any(here)) continue;
+          sums.targets[(static_cast<int>(slot) * t.channels + c) * p.padded + j] +=
+              FixedPoint(select(here, term, Floats(0))).sum();
+        }
       }
     }
+  }
+
+  // One event after the other, as many directions at once as there are lanes.
+  template <class All, class M>
+  [[gnu::noinline]] void many(All, const M& medium, const LaneEvent<Floats>& event,
+                              const LaneState<Floats, C>& w, FloatMask counts) const {
+    const StoredEvents stored(medium, event);
+    alignas(64) float depths[kLanes], places[kLanes], turn_cos[kLanes], turn_sin[kLanes];
+    alignas(64) float shares[3][kLanes];
+    alignas(64) std::uint32_t orders[kLanes], layers[kLanes];
+    w.y.store(depths);
+    w.order.store(orders);
+    w.layer.store(layers);
+    for (int c = 0; c < t.channels; ++c) share(medium, w, c).store(shares[c]);
+    const bool cells = t.estimate == LaneEstimate::cells_next_event;
+    if (cells) {
+      const WordBlock block = LaneNumbers(t)(w.order, kLaneTargetStream, w.index);
+      multiply_add(to_floats(shift_right<16>(block.w[0])), Floats(0x1p-16f), Floats(0x1p-17f))
+          .store(places);
+      const auto [sine, cosine] =
+          sine_cosine_of_turns(uniform_of(block.w[1]) * Floats(1.0f / t.cells.phi_cells));
+      sine.store(turn_sin);
+      cosine.store(turn_cos);
+    }
+    for (std::uint32_t left = mask_bits(counts); left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      const int layer = M::kKind == LaneMediumKind::substrate ? t.walk.layer_count
+                        : All::value                          ? 0
+                                                              : static_cast<int>(layers[lane]);
+      const std::uint32_t slot =
+          orders[lane] + 1 < kRouletteOrder ? orders[lane] : kRouletteOrder - 1;
+      if (cells) aim(layer, depths[lane], places[lane], turn_cos[lane], turn_sin[lane]);
+      const auto give = [&](const M& at) LAMELLA_INLINE_LAMBDA {
+        const Sender<M> sender{
+            *this,
+            at,
+            stored.of(lane),
+            layer,
+            {Floats(shares[0][lane]), Floats(shares[1][lane]), Floats(shares[2][lane])}};
+        if (cells)
+          to_cells(sender, slot, depths[lane]);
+        else
+          to_points(sender, slot, depths[lane]);
+      };
+      if constexpr (All::value || M::kKind == LaneMediumKind::substrate)
+        give(medium);
+      else
+        give(M(OneLayer<Floats>{*t.walk.layers, layer}));
+    }
+  }
+
+  /// One event's light.
+  template <class M>
+  struct Sender {
+    const NextEventOnLanes& to;
+    const M& medium;
+    LaneEvent<Floats> event;
+    int layer;
+    Floats share[3];
+    /// Adds density times `attenuation` towards w_o to the sums, a stride apart for channels.
+    LAMELLA_INLINE void send(Vec3<Floats> wo, Floats attenuation, std::int64_t* place,
+                             int stride) const {
+      const LaneWalkTask& task = to.t;
+      const Floats value = medium.density(event, wo) * attenuation;
+      if (!task.weighs()) return FixedPoint(value).add_to(place);
+      Floats schlick(0);
+      if (to.has_fresnel(medium)) schlick = schlick_weight(half_cosine(event.wi, wo));
+      for (int c = 0; c < task.channels; ++c) {
+        Floats term = value * share[c];
+        if (to.has_fresnel(medium)) {
+          const Floats f0(task.walk.layers->value[kF0 + c][layer]);
+          term = term * multiply_add(schlick, Floats(1) - f0, f0);
+        }
+        FixedPoint(term).add_to(place + c * stride);
+      }
+    }
+  };
+
+  template <class M>
+  LAMELLA_INLINE void to_points(const Sender<M>& sender, std::uint32_t slot, float y) const {
+    const LanePoints& p = t.points;
+    const bool substrate = M::kKind == LaneMediumKind::substrate;
+    const float depth = substrate ? 0 : t.walk.layers->value[kDepth][sender.layer];
+    const Floats above(substrate ? 0 : y), below(depth - y);
+    const float* rates = p.rate + sender.layer * p.padded;
+    const float* beyond = p.beyond + sender.layer * p.padded;
+    std::int64_t* at = sums.targets + static_cast<int>(slot) * t.channels * p.padded;
+    for (int j = 0; j < p.padded; j += kLanes) {
+      const Vec3<Floats> wo{Floats::load(p.x + j), Floats::load(p.y + j), Floats::load(p.z + j)};
+      const Floats way = select(wo.z > Floats(0), above, below);
+      const Floats tau = multiply_add(way, Floats::load(rates + j), Floats::load(beyond + j));
+      sender.send(wo, exp(-tau), at + j, p.padded);
+    }
+  }
+
+  /// |mu| times the optical depth from y in a layer to the exit along w_o.
+  [[gnu::noinline]] Floats depth_to_exit(int layer, float y, bool up, Vec3<Floats> wo) const {
+    const auto& numbers = *t.walk.layers;
+    const auto area = [&](int k) LAMELLA_INLINE_LAMBDA {
+      const OneLayer<Floats> at{numbers, k};
+      if (numbers.value[kFront][k] > 0) return VmfOnLanes<Floats>(at).sigma(-wo);
+      return projected_area(SggxOnLanes<Floats>(at).a, -wo);
+    };
+    Floats sum(0);
+    if (layer < t.walk.layer_count)
+      sum = area(layer) * Floats(up ? y : numbers.value[kDepth][layer] - y);
+    for (int k = up ? layer - 1 : layer + 1; k >= 0 && k < t.walk.layer_count; k += up ? -1 : 1)
+      sum = multiply_add(area(k), Floats(numbers.value[kDepth][k]), sum);
+    return sum;
+  }
+
+  /// Where the numbers of an event's directions stand in the scratch.
+  struct Scratch {
+    int padded_rows, columns;
+    float *mus, *inverses, *sines, *attenuations, *cosines, *phi_sines;
+    LAMELLA_INLINE explicit Scratch(const LaneCells& cells)
+        : padded_rows((cells.rows + 15) / 16 * 16),
+          columns(cells.padded_columns),
+          mus(cells.scratch),
+          inverses(mus + padded_rows),
+          sines(inverses + padded_rows),
+          attenuations(sines + padded_rows),  // two of them
+          cosines(attenuations + 2 * padded_rows),
+          phi_sines(cosines + columns) {}
+  };
+
+  [[gnu::noinline]] void aim(int layer, float y, float u_mu, float turn_cos, float turn_sin) const {
+    const LaneCells& cells = t.cells;
+    const Scratch to(cells);
+    const int sides = cells.both_sides ? 2 : 1;
+    const Floats rows(cells.rows), inverse_rows(1.0f / cells.rows);
+    for (int r = 0; r < cells.rows; r += kLanes) {
+      const Floats row = to_floats(Words::iota() + Words(r));
+      const Floats mu2 = max((rows - row - Floats(u_mu)) * inverse_rows, Floats(1e-9f));
+      const Floats inverse = reciprocal_sqrt(mu2), mu = mu2 * inverse;
+      const Floats sine = sqrt(nonnegative(Floats(1) - mu2));
+      mu.store(to.mus + r);
+      inverse.store(to.inverses + r);
+      sine.store(to.sines + r);
+      for (int side = 0; cells.symmetric && side < sides; ++side) {
+        const Vec3<Floats> wo{sine, Floats(0), side ? -mu : mu};
+        const Floats tau = depth_to_exit(layer, y, side == 0, wo) * inverse;
+        (exp(-tau) * inverse).store(to.attenuations + side * to.padded_rows + r);
+      }
+    }
+    for (int j = 0; j < to.columns; j += kLanes) {
+      const Floats c = Floats::load(cells.column_cos + j), s = Floats::load(cells.column_sin + j);
+      (c * Floats(turn_cos) - s * Floats(turn_sin)).store(to.cosines + j);
+      (s * Floats(turn_cos) + c * Floats(turn_sin)).store(to.phi_sines + j);
+    }
+  }
+
+  template <class M>
+  LAMELLA_INLINE void to_cells(const Sender<M>& sender, std::uint32_t slot, float y) const {
+    const LaneCells& cells = t.cells;
+    const Scratch from(cells);
+    const int sides = cells.both_sides ? 2 : 1, columns = from.columns;
+    const int places = sides * cells.rows * columns;
+    std::int64_t* at = sums.targets + static_cast<int>(slot) * t.channels * places;
+    for (int side = 0; side < sides; ++side)
+      for (int r = 0; r < cells.rows; ++r, at += columns) {
+        const Floats sine(from.sines[r]), z(side ? -from.mus[r] : from.mus[r]);
+        const Floats inverse(from.inverses[r]);
+        const Floats attenuation(from.attenuations[side * from.padded_rows + r]);
+        for (int j = 0; j < columns; j += kLanes) {
+          const Vec3<Floats> wo{sine * Floats::load(from.cosines + j),
+                                sine * Floats::load(from.phi_sines + j), z};
+          Floats a = attenuation;
+          if (!cells.symmetric)
+            a = exp(-(depth_to_exit(sender.layer, y, side == 0, wo) * inverse)) * inverse;
+          sender.send(wo, a, at + j, places);
+        }
+      }
   }
 };
 

@@ -1,233 +1,139 @@
 #include "volume/lane_run.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "volume/lane_marginals.h"
 #include "volume/walk.h"
 
 namespace lamella {
 namespace {
 
-constexpr std::uint32_t kOrderCap = kTallyOrders;
-constexpr double kDeepest = 1e4;         // optical depth at which float still resolves 1e-3
-constexpr double kNarrowestSggx = 0.02;  // smallest diagonal entry of A, over the largest
-constexpr double kNarrowestHg = 0.99;
-constexpr double kMostGrazingPoint = 1e-4;
-constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
-constexpr double kDeepestFromBehind = 100;
+constexpr int kOrders = kTallyOrders;
+static_assert(kRouletteOrder == kTallyOrders);
 
-template <class M>
-constexpr bool is_vmf =
-    std::is_same_v<M, MirrorFlakes<Vmf>> || std::is_same_v<M, LambertFlakes<Vmf>>;
-template <class M>
-constexpr bool is_sggx =
-    std::is_same_v<M, MirrorFlakes<Sggx>> || std::is_same_v<M, LambertFlakes<Sggx>>;
-
-std::optional<std::string> why_not_medium(const Medium& medium, double depth) {
-  return std::visit(
-      [&]<class M>(const M& m) -> std::optional<std::string> {
-        if constexpr (is_vmf<M>) {
-          if (m.is_delta() || vmf_concentration(m.ndf.alpha()) > kLargestMarginalKappa)
-            return "vMF flakes narrower than alpha = 0.2 have no table";
-          // Light that sees their backs meets null collisions almost only: as many as its way is
-          // long.
-          const double up = m.ndf.axis().z;
-          if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
-            return "tilted vMF flakes, or deep ones that face down, ask for too many null "
-                   "collisions";
-        } else if constexpr (is_sggx<M>) {
-          const auto& a = m.ndf.matrix();
-          const auto [least, most] = std::minmax({a.a00, a.a11, a.a22});
-          if (least < kNarrowestSggx * most || most > 1e3 || least < 1e-3)
-            return "SGGX flakes this narrow ask for double";
-        } else if constexpr (std::is_same_v<M, HenyeyGreenstein>) {
-          if (std::abs(m.g) > kNarrowestHg) return "so narrow a forward peak asks for double";
-        }
-        return std::nullopt;
-      },
-      medium);
-}
-
-SggxMatrix<double> inverse_of(const SggxMatrix<double>& a) {
-  const Direction x = a.solve({1, 0, 0}), y = a.solve({0, 1, 0}), z = a.solve({0, 0, 1});
-  return {x.x, x.y, y.y, x.z, y.z, z.z};
-}
-
-void copy(const SggxMatrix<double>& a, float* to) {
-  const double numbers[] = {a.a00, a.a10, a.a11, a.a20, a.a21, a.a22};
-  std::transform(std::begin(numbers), std::end(numbers), to,
-                 [](double x) { return static_cast<float>(x); });
-}
-
-// The largest value of p, as fixed point must hold it.
-double largest_density(const Medium& medium) {
-  if (const auto* mirror = std::get_if<MirrorFlakes<Sggx>>(&medium)) {
-    const SggxMatrix<double>& a = mirror->ndf.matrix();
-    const SggxMatrix<double> b = inverse_of(a);
-    // The norms bound |A u| above and below.
-    const double norm = std::sqrt(a.a00 * a.a00 + a.a10 * a.a10 + a.a11 * a.a11 + a.a20 * a.a20 +
-                                  a.a21 * a.a21 + a.a22 * a.a22);
-    const double inverse_norm = std::sqrt(b.a00 * b.a00 + b.a10 * b.a10 + b.a11 * b.a11 +
-                                          b.a20 * b.a20 + b.a21 * b.a21 + b.a22 * b.a22);
-    return std::pow(norm, 4) / (4 * kPi * a.determinant()) * inverse_norm;
-  }
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&medium))
-    return henyey_greenstein_phase(std::abs(hg->g), 1.0);
-  return 1;
-}
+std::size_t padded(std::size_t count) { return (count + 15) / 16 * 16; }
 
 }  // namespace
 
-std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
-  if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
-  if (plan.has_grids()) return "lanes have no kernel for density grids";
-  if (stack.grains()) return "explicit geometry is traced in double";
-  if (plan.layers.size() != 1) return "lanes have no kernel for several layers yet";
-  if (stack.substrate) return "lanes have no kernel for a substrate yet";
-  if (plan.channels != 1) return "lanes have no kernel for colour yet";
-  const Layer& layer = stack.layers[plan.layers[0]];
-  if (layer.f0 != Rgb(1)) return "lanes have no kernel for Schlick's factor yet";
-  const double depth = layer.depth();
-  if (depth < 1e-30 || (depth > kDeepest && std::isfinite(depth)))
-    return fmt::format("an optical depth of {:g} is more than float resolves", depth);
-  if (plan.max_order > 1000000000) return "orders above 1e9 are not counted on lanes";
-  return why_not_medium(layer.medium, depth);
-}
-
-std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
-                                            const std::vector<Direction>& points) {
-  if (auto reason = why_not_lanes(stack, plan)) return reason;
-  const Medium& medium = stack.layers[plan.layers[0]].medium;
-  if (points.empty()) return std::nullopt;
-  if (std::holds_alternative<MirrorFlakes<Vmf>>(medium))
-    return "lanes have no next-event estimation for vMF mirrors yet";
-  if (largest_density(medium) > kPointLimit) return "the phase function is too narrow for float";
-  for (const Direction wo : points)
-    if (std::abs(wo.z) < kMostGrazingPoint) return "a point this close to grazing asks for double";
-  return std::nullopt;
-}
-
-void LaneRun::set_up(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed) {
-  const Layer& layer = stack.layers[plan.layers[0]];
-  walk_ = walk_lanes_for(plan.isa);
-  incident_ = incident;
-  albedo_ = layer.albedo.r;
-  task_.depth = static_cast<float>(layer.depth());
-  task_.wi[0] = static_cast<float>(incident.x);
-  task_.wi[1] = static_cast<float>(incident.y);
-  task_.wi[2] = static_cast<float>(incident.z);
-  task_.from_above = incident.z > 0;
-  task_.orders_per_absorption = albedo_ < 1 ? static_cast<float>(-1 / std::log(albedo_))
-                                            : std::numeric_limits<float>::infinity();
-  task_.black = albedo_ == 0;
-  task_.max_order = static_cast<std::uint32_t>(plan.max_order);
-  task_.seed = seed;
-  task_.index_stride = static_cast<std::uint32_t>(counts_.size());
-  task_.order_cap = kOrderCap;
-  LaneMediumNumbers& numbers = task_.medium;
-  double area = sigma(layer.medium, incident);
-  std::visit(
-      [&]<class M>(const M& m) {
-        if constexpr (std::is_same_v<M, LambertSphere>) {
-          numbers.kind = LaneMediumKind::lambert_sphere;
-        } else if constexpr (std::is_same_v<M, HenyeyGreenstein>) {
-          numbers.kind = LaneMediumKind::henyey_greenstein;
-          numbers.g = static_cast<float>(m.g);
-        } else if constexpr (is_sggx<M>) {
-          numbers.kind = std::is_same_v<M, MirrorFlakes<Sggx>> ? LaneMediumKind::sggx_mirror
-                                                               : LaneMediumKind::sggx_lambert;
-          const SggxMatrix<double>& a = m.ndf.matrix();
-          copy(a, numbers.a);
-          copy(inverse_of(a), numbers.inverse);
-          numbers.density_scale = static_cast<float>(1 / (4 * kPi * a.determinant()));
-        } else {
-          numbers.kind = std::is_same_v<M, MirrorFlakes<Vmf>> ? LaneMediumKind::vmf_mirror
-                                                              : LaneMediumKind::vmf_lambert;
-          const Direction axis = m.ndf.axis();
-          numbers.axis[0] = static_cast<float>(axis.x);
-          numbers.axis[1] = static_cast<float>(axis.y);
-          numbers.axis[2] = static_cast<float>(axis.z);
-          const double front = m.ndf.sigma(axis), back = m.ndf.sigma(-axis);
-          const double side = m.ndf.sigma(frame_around(axis).s);
-          numbers.front = static_cast<float>(front);
-          numbers.back = static_cast<float>(back);
-          numbers.side = static_cast<float>(side);
-          // The first flight is by the majorant, as all others.
-          const double u = dot(incident, axis);
-          area = std::sqrt(std::max(0.0, (1 - u) * (1 + u))) * side +
-                 std::abs(u) * (u < 0 ? back : front);
-          marginals_ = vmf_marginals(vmf_concentration(m.ndf.alpha()));
-          numbers.marginals = marginals_.data();
-        }
-      },
-      layer.medium);
-  task_.first_flight = static_cast<float>(std::abs(incident.z) / area);
-  const double chance = -std::expm1(-layer.depth() * area / std::abs(incident.z));
-  if (chance <= kForcedChance) {
-    chance_ = chance;
-    task_.forced_chance = static_cast<float>(chance);
+LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+                 int batches)
+    : setting_(stack, plan, incident, seed), incident_(incident), counts_(batches) {
+  task_.walk = setting_.walk;
+  task_.weights = !setting_.common_albedo;
+  task_.one_medium = setting_.parts.size() == 1 && !task_.weights;
+  walk_ = task_.one_medium ? walk_lanes_for(plan.isa) : walk_stack_lanes_for(plan.isa);
+  task_.channels = plan.channels;
+  task_.index_stride = static_cast<std::uint32_t>(batches);
+  if (!task_.weights && task_.channels > 1) {
+    task_.order_cap = static_cast<std::uint32_t>(plan.max_order);
+    for (int c = 0; c < task_.channels; ++c)
+      for (std::uint32_t k = 0; k <= task_.order_cap; ++k) {
+        end_weight_.push_back(std::llround(setting_.weight_after(c, k) * kPointUnits));
+        event_weight_.push_back(
+            static_cast<float>(k == 0 ? 1 : setting_.weight_after(c, k - 1) * setting_.albedo[c]));
+      }
+    task_.end_weight = end_weight_.data();
+    task_.event_weight = event_weight_.data();
   }
-  for (Counts& c : counts_) c.ends.resize(kWalkEnds * (kOrderCap + 1));
+  for (Counts& c : counts_) {
+    c.ends.resize(kWalkEnds * (kOrders + 1));
+    if (task_.weighs()) c.weights.resize(c.ends.size() * task_.channels);
+  }
 }
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
-                 int batches, const CellTargets* cells)
-    : counts_(batches) {
-  set_up(stack, plan, incident, seed);
-  if (!cells) return;
+                 int batches, const CellTargets& cells, Estimator estimator)
+    : LaneRun(stack, plan, incident, seed, batches) {
   cells_ = cells;
-  const CellGrid& grid = cells->grid;
-  task_.cells.on = true;
-  task_.cells.folded = grid.folded;
-  task_.cells.both_sides = cells->both_sides;
-  task_.cells.rows = grid.rows();
-  task_.cells.columns = grid.columns();
-  task_.cells.phi_cells = grid.phi_cells;
-  task_.cells.azimuth_turns = static_cast<float>(cells->incident_azimuth / (2 * kPi));
-  for (Counts& c : counts_)
-    c.cells.resize(static_cast<std::size_t>(kTallyOrders) * cells->count() + 1);
+  const CellGrid& grid = cells.grid;
+  LaneCells& to = task_.cells;
+  to.on = true;
+  to.folded = grid.folded;
+  to.both_sides = cells.both_sides;
+  to.symmetric = stack.is_symmetric_about_z();
+  to.rows = grid.rows();
+  to.columns = grid.columns();
+  to.phi_cells = grid.phi_cells;
+  to.azimuth_turns = static_cast<float>(cells.incident_azimuth / (2 * kPi));
+  if (estimator == Estimator::analog) {
+    task_.estimate = LaneEstimate::cells_counted;
+    for (Counts& c : counts_)
+      c.cells.resize(static_cast<std::size_t>(kOrders) * task_.channels * cells.count() + 1);
+    return;
+  }
+  task_.estimate = LaneEstimate::cells_next_event;
+  const std::size_t columns = padded(grid.columns()), rows = padded(grid.rows());
+  to.padded_columns = static_cast<int>(columns);
+  for (std::size_t j = 0; j < columns; ++j) {
+    const double phi = cells.incident_azimuth + 2 * kPi * static_cast<double>(j) / grid.phi_cells;
+    column_cos_.push_back(static_cast<float>(std::cos(phi)));
+    column_sin_.push_back(static_cast<float>(std::sin(phi)));
+  }
+  to.column_cos = column_cos_.data();
+  to.column_sin = column_sin_.data();
+  for (Counts& c : counts_) {
+    c.targets.resize(kOrders * task_.channels * (cells.both_sides ? 2 : 1) * grid.rows() * columns);
+    c.scratch.resize(kLaneScratchRows * rows + 2 * columns);
+  }
 }
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches, const std::vector<Direction>& points)
-    : counts_(batches) {
-  set_up(stack, plan, incident, seed);
+    : LaneRun(stack, plan, incident, seed, batches) {
   if (points.empty()) return;
-  const Medium& medium = stack.layers[plan.layers[0]].medium;
-  constexpr std::size_t kWidest = 16;
-  const std::size_t padded = (points.size() + kWidest - 1) / kWidest * kWidest;
-  for (std::size_t j = 0; j < padded; ++j) {
+  task_.estimate = LaneEstimate::points;
+  trace(stack, points);
+  for (Counts& c : counts_) c.targets.resize(kOrders * task_.channels * padded(points.size()));
+}
+
+void LaneRun::trace(const Stack& stack, const std::vector<Direction>& points) {
+  constexpr std::size_t kPlaces = kMostLaneLayers + 1;
+  const std::size_t count = padded(points.size()), layers = setting_.parts.size();
+  for (auto* by_layer : {&rate_, &beyond_}) by_layer->resize((layers + 1) * count);
+  for (auto* by_point : {&rate_by_point_, &beyond_by_point_}) by_point->resize(kPlaces * count);
+  for (std::size_t j = 0; j < count; ++j) {
     const Direction wo = points[std::min(j, points.size() - 1)];
     point_x_.push_back(static_cast<float>(wo.x));
     point_y_.push_back(static_cast<float>(wo.y));
     point_z_.push_back(static_cast<float>(wo.z));
-    rate_.push_back(static_cast<float>(sigma(medium, -wo) / std::abs(wo.z)));
+    const bool up = wo.z > 0;
     if (j < points.size()) inverse_mu_.push_back(1 / std::abs(wo.z));
-    task_.points.up += j < points.size() && wo.z > 0;
+    task_.points.up += j < points.size() && up;
+    double tau = 0;
+    const auto write = [&](std::size_t k, double rate) {
+      rate_[k * count + j] = rate_by_point_[j * kPlaces + k] = static_cast<float>(rate);
+      beyond_[k * count + j] = beyond_by_point_[j * kPlaces + k] = static_cast<float>(tau);
+    };
+    for (std::size_t step = 0; step < layers; ++step) {
+      const std::size_t k = up ? step : layers - 1 - step;
+      const LanePart& part = setting_.parts[k];
+      const double rate = sigma(stack.layers[part.layer].medium, -wo) / std::abs(wo.z);
+      write(k, rate);
+      if (rate > 0) tau += part.depth * rate;
+    }
+    // The substrate's light crosses all of them; it does not go down.
+    if (!up) tau = 1e30;
+    write(layers, 0);
   }
   task_.points.count = static_cast<int>(points.size());
-  task_.points.padded = static_cast<int>(padded);
+  task_.points.padded = static_cast<int>(count);
   task_.points.x = point_x_.data();
   task_.points.y = point_y_.data();
   task_.points.z = point_z_.data();
   task_.points.rate = rate_.data();
-  for (Counts& c : counts_) c.points.resize(kTallyOrders * padded);
+  task_.points.beyond = beyond_.data();
+  task_.points.rate_by_point = rate_by_point_.data();
+  task_.points.beyond_by_point = beyond_by_point_.data();
 }
 
 void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& tally) {
   Counts& counts = counts_[batch];
   LaneWalkTask task = task_;
-  std::uint64_t bad = 0;
-  task.ends = counts.ends.data();
-  task.cells.counts = counts.cells.data();
-  task.points.sums = counts.points.data();
-  task.lane_steps = &counts.lane_steps;
-  task.busy_lane_steps = &counts.busy;
-  task.bad_walk = &bad;
+  LaneSums sums{.ends = counts.ends.data(),
+                .weights = counts.weights.data(),
+                .cells = counts.cells.data(),
+                .targets = counts.targets.data()};
+  task.cells.scratch = counts.scratch.data();
   const std::uint64_t stride = counts_.size();
   tally.walks += to - from;
   while (from < to) {
@@ -238,52 +144,82 @@ void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& t
     task.index_low = static_cast<std::uint32_t>(low);
     task.index_high = static_cast<std::uint32_t>(index >> 32);
     task.walks = static_cast<std::uint32_t>(here);
-    walk_(task);
-    if (bad) throw NonFiniteError(task.seed, bad - 1, incident_);
+    walk_(task, sums);
+    if (sums.bad_walk) throw NonFiniteError(task.walk.seed, sums.bad_walk - 1, incident_);
     from += here;
   }
+  counts.lane_steps += sums.lane_steps;
+  counts.busy += sums.busy_lane_steps;
+  counts.reflections += sums.reflections;
   to_tally(counts, tally);
 }
 
-void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
-  const auto ended = [&](WalkEnd end, int order) {
-    return static_cast<double>(counts.ends[static_cast<std::size_t>(end) * (kOrderCap + 1) +
-                                           static_cast<std::size_t>(order)]);
-  };
-  // The weight after so many events; from the fourth on it stays.
-  double weight[kTallyOrders + 1] = {chance_};
-  for (int k = 1; k <= kTallyOrders; ++k)
-    weight[k] = k < kTallyOrders ? albedo_ * weight[k - 1] : weight[k - 1];
+void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
+  const double chance = setting_.chance;
   EnergySums energy{};
-  const bool down = task_.from_above;
-  energy.uncollided[0] = (1 - chance_) * static_cast<double>(tally.walks) +
-                         chance_ * ended(down ? WalkEnd::down : WalkEnd::up, 0);
-  energy.unresolved[0] = chance_ * ended(WalkEnd::unresolved, 0);
-  for (int k = 1; k <= kTallyOrders; ++k) {
-    energy.up[k - 1][0] = weight[k] * ended(WalkEnd::up, k);
-    energy.down[k - 1][0] = weight[k] * ended(WalkEnd::down, k);
-    energy.unresolved[0] += weight[k] * ended(WalkEnd::unresolved, k);
-    // Absorbed: of each of the first three events a share, later walks as a whole.
-    energy.absorbed[0] += weight[k] * ended(WalkEnd::absorbed, k);
-    double events = 0;
-    for (int end = 0; end < kWalkEnds; ++end)
-      for (int order = k; order <= kTallyOrders; ++order)
-        events += ended(static_cast<WalkEnd>(end), order);
-    if (k < kTallyOrders) energy.absorbed[0] += events * (weight[k - 1] - weight[k]);
+  const WalkEnd straight = task_.walk.from_above ? WalkEnd::down : WalkEnd::up;
+  for (int c = 0; c < task_.channels; ++c) {
+    // What walks of one order weigh together as they end.
+    const auto ended = [&](WalkEnd end, int order) {
+      const std::size_t at = static_cast<std::size_t>(end) * (kOrders + 1) + order;
+      if (!task_.weighs())
+        return chance * static_cast<double>(counts.ends[at]) * setting_.weight_after(0, order);
+      return chance / kPointUnits *
+             static_cast<double>(counts.weights[c * counts.ends.size() + at]);
+    };
+    energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
+    energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
+    // A walk has lost to its events what it lacks at its end, and at a last event everything.
+    for (const std::uint64_t walks : counts.ends)
+      energy.absorbed[c] += chance * static_cast<double>(walks);
+    energy.absorbed[c] -= ended(straight, 0) + ended(WalkEnd::unresolved, 0);
+    for (int k = 1; k <= kOrders; ++k) {
+      energy.up[k - 1][c] = ended(WalkEnd::up, k);
+      energy.down[k - 1][c] = ended(WalkEnd::down, k);
+      energy.unresolved[c] += ended(WalkEnd::unresolved, k);
+      energy.absorbed[c] -=
+          ended(WalkEnd::up, k) + ended(WalkEnd::down, k) + ended(WalkEnd::unresolved, k);
+    }
   }
   tally.energy = energy;
-  tally.collisions = counts.busy;
-  if (cells_) {
-    const double scale = 1 / cells_->grid.projected_solid_angle();
-    const std::size_t targets = cells_->count();
-    for (std::size_t j = 0; j < tally.f.size(); ++j)
-      tally.f[j] = scale * weight[1 + j / targets] * static_cast<double>(counts.cells[j]);
+  tally.collisions = counts.busy - counts.reflections;
+}
+
+void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
+  energies_to_tally(counts, tally);
+  const int channels = task_.channels;
+  const double chance = setting_.chance;
+  if (task_.estimate == LaneEstimate::cells_counted) {
+    const double scale = chance / cells_.grid.projected_solid_angle();
+    const std::size_t targets = cells_.count();
+    for (int slot = 0; slot < kOrders; ++slot)
+      for (int c = 0; c < channels; ++c)
+        for (std::size_t j = 0; j < targets; ++j) {
+          const auto sum = static_cast<double>(counts.cells[(c * kOrders + slot) * targets + j]);
+          tally.f[(slot * channels + c) * targets + j] =
+              scale * sum * (task_.weighs() ? 1 / kPointUnits : setting_.weight_after(0, slot + 1));
+        }
+    return;
   }
-  const std::size_t points = inverse_mu_.size(), padded = rate_.size();
-  for (std::size_t slot = 0; points > 0 && slot < kTallyOrders; ++slot)
-    for (std::size_t j = 0; j < points; ++j)
-      tally.f[slot * points + j] = weight[slot] * albedo_ * inverse_mu_[j] / kPointUnits *
-                                   static_cast<double>(counts.points[slot * padded + j]);
+  if (task_.estimate == LaneEstimate::energies) return;
+  // What an event of an order sends out, where the sums leave that out.
+  const auto factor = [&](int slot) {
+    return chance / kPointUnits *
+           (task_.weighs() ? 1 : setting_.weight_after(0, slot) * setting_.albedo[0]);
+  };
+  const bool points = task_.estimate == LaneEstimate::points;
+  const std::size_t columns = points ? task_.points.padded : task_.cells.padded_columns;
+  const std::size_t used = points ? task_.points.count : task_.cells.columns;
+  const std::size_t rows = points ? 1 : task_.cells.rows * (task_.cells.both_sides ? 2 : 1);
+  for (int slot = 0; slot < kOrders; ++slot)
+    for (int c = 0; c < channels; ++c)
+      for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t j = 0; j < used; ++j) {
+          const std::size_t plane = slot * channels + c;
+          tally.f[(plane * rows + r) * used + j] =
+              factor(slot) * (points ? inverse_mu_[j] : 1) *
+              static_cast<double>(counts.targets[(plane * rows + r) * columns + j]);
+        }
 }
 
 double LaneRun::occupancy() const {

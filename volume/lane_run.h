@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "volume/lane_setting.h"
 #include "volume/lane_walk.h"
 #include "volume/plan.h"
 #include "volume/scorers.h"
@@ -11,22 +12,24 @@
 
 namespace lamella {
 
-/// Why the walks of a stack run in the scalar double kernel, if they do; in words for a user. Lanes
-/// cover one grey layer of one medium. Where float could not keep its promise (a relative bias
-/// below 1e-5), the answer is a reason, too.
+/// Why the walks of a stack run in the scalar double kernel, if they do; in words for a user. Where
+/// float could not keep its promise (a relative bias below 1e-5), the answer is a reason, too.
 [[nodiscard]] std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan);
-/// Likewise for next-event estimation at points.
+/// Likewise for next-event estimation at points, or in cells.
 [[nodiscard]] std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
                                                           const std::vector<Direction>& points);
+[[nodiscard]] std::optional<std::string> why_not_lanes_in_cells(const Stack& stack,
+                                                                const Plan& plan,
+                                                                const CellGrid& grid);
 
-/// The walks of one incident direction on lanes. Everything is counted in whole numbers (or, next
-/// event, in fixed point), so that a batch's tally does not depend on how its walks were dealt out.
+/// The walks of one incident direction on lanes. Everything is counted in whole numbers, or in
+/// fixed point, so that a batch's tally does not depend on how its walks were dealt out.
 class LaneRun {
  public:
-  /// Walks with energies alone, or with the analog estimator's counts in cells.
+  /// Walks with the analog estimator's counts in cells, or with next-event estimates of them.
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed, int batches,
-          const CellTargets* cells);
-  /// Walks with next-event estimates of f at points.
+          const CellTargets& cells, Estimator estimator);
+  /// Walks with next-event estimates of f at points; without any, energies alone.
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed, int batches,
           const std::vector<Direction>& points);
 
@@ -38,22 +41,26 @@ class LaneRun {
 
  private:
   struct Counts {
-    std::vector<std::uint64_t> ends, cells;
-    std::vector<std::int64_t> points;
-    std::uint64_t lane_steps = 0, busy = 0;
+    std::vector<std::uint64_t> ends;
+    std::vector<std::int64_t> weights, cells, targets;
+    std::vector<float> scratch;
+    std::uint64_t lane_steps = 0, busy = 0, reflections = 0;
   };
-  void set_up(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed);
+  LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+          int batches);
+  void trace(const Stack& stack, const std::vector<Direction>& points);
   void to_tally(const Counts& counts, BatchTally& tally) const;
+  void energies_to_tally(const Counts& counts, BatchTally& tally) const;
 
-  void (*walk_)(const LaneWalkTask&);
+  LaneSetting<float> setting_;
+  void (*walk_)(const LaneWalkTask&, LaneSums&);
   LaneWalkTask task_;
   Direction incident_;
-  double albedo_ = 1;
-  double chance_ = 1;  // of the first collision where it is forced
-  const CellTargets* cells_ = nullptr;
-  std::vector<double> inverse_mu_;                         // per point
-  std::vector<float> point_x_, point_y_, point_z_, rate_;  // padded
-  std::vector<float> marginals_;
+  CellTargets cells_;
+  std::vector<double> inverse_mu_;  // per point
+  std::vector<float> point_x_, point_y_, point_z_, rate_, beyond_, rate_by_point_, beyond_by_point_;
+  std::vector<float> column_cos_, column_sin_, event_weight_;
+  std::vector<std::int64_t> end_weight_;
   std::vector<Counts> counts_;
 };
 

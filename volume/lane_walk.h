@@ -3,98 +3,88 @@
 #include <cstdint>
 
 #include "phase/isa.h"
+#include "volume/lane_step.h"
 
 namespace lamella {
 
-/// Streams of a walk on lanes, beside those of StreamPurpose: up to its first collision, and a
-/// block per event from there.
-inline constexpr std::uint32_t kLaneStartStream = 4, kLaneWalkStream = 5;
-
-/// What became of a walk, in LaneWalkTask::ends.
-enum class WalkEnd : std::uint32_t { up = 0, down = 1, absorbed = 2, unresolved = 3 };
-inline constexpr int kWalkEnds = 4;
-
-/// The media that have a kernel on lanes.
-enum class LaneMediumKind {
-  lambert_sphere,
-  henyey_greenstein,
-  sggx_mirror,
-  sggx_lambert,
-  vmf_mirror,
-  vmf_lambert
-};
-
-/// A medium's numbers, rounded from double.
-struct LaneMediumNumbers {
-  LaneMediumKind kind{};
-  float g = 0;                          ///< henyey_greenstein
-  float a[6] = {};                      ///< SGGX: A of S = A A^T: a00 a10 a11 a20 a21 a22
-  float inverse[6] = {};                ///< A^-1 likewise
-  float density_scale = 0;              ///< SGGX: 1 / (4 pi det A)
-  float axis[3] = {};                   ///< vMF: mean normal
-  float front = 0, back = 0, side = 0;  ///< vMF: sigma(1), sigma(-1), sigma(0)
-  const float* marginals = nullptr;     ///< vMF: see vmf_marginals
-};
-
-/// Targets of next-event estimation, structure of arrays; `padded` is `count` rounded up to a
-/// multiple of 16, places beyond `count` repeat a valid target.
+/// Directions that next-event estimation sends light to, structure of arrays; `padded` is `count`
+/// rounded up to a multiple of 16, places beyond `count` repeat a valid direction.
 struct LanePoints {
   int count = 0, padded = 0, up = 0;
   const float *x = nullptr, *y = nullptr, *z = nullptr;
-  const float* rate = nullptr;  ///< sigma(-w_o) / |mu_o|
-  /// Sums over events of p(w_i -> w_o) exp(-tau), in units of 1 / kPointUnits: [slot][padded].
-  std::int64_t* sums = nullptr;
+  /// sigma(-w_o) / |mu_o| of a layer, and the optical depth between the layer and the exit:
+  /// [layer][padded], and [point][kMostLaneLayers + 1]. The last layer is the substrate's.
+  const float *rate = nullptr, *beyond = nullptr;
+  const float *rate_by_point = nullptr, *beyond_by_point = nullptr;
 };
-/// Fixed point makes sums independent of their order. A term is rounded to 2^-32.
+
+/// Where leaving light is counted, and where next-event estimation sends it; see CellGrid.
+struct LaneCells {
+  bool on = false, folded = false, both_sides = false;
+  bool symmetric = false;  ///< about z: what light meets on its way out depends on mu alone
+  int rows = 0, columns = 0, phi_cells = 0;
+  int padded_columns = 0;                                    ///< next event: a multiple of 16
+  float azimuth_turns = 0;                                   ///< of w_i, as a fraction of a turn
+  const float *column_cos = nullptr, *column_sin = nullptr;  ///< of the columns' first edges
+  float* scratch = nullptr;  ///< kLaneScratchRows rows + 2 padded_columns numbers
+};
+/// mu, its inverse, its sine, and the attenuation upwards and downwards; rows padded to 16.
+inline constexpr int kLaneScratchRows = 5;
+
+/// Fixed point makes sums independent of their order: terms are rounded to 2^-32.
 inline constexpr double kPointUnits = 0x1p32;
 /// The largest term that fixed point takes.
 inline constexpr double kPointLimit = 0x1p18;
+/// 1 / |mu| of a direction within a cell is at most this, times the square root of the rows.
+inline constexpr double kLargestInverseMu = 0x1.7p8;
 
-/// Where leaving light is counted; see CellGrid.
-struct LaneCells {
-  bool on = false, folded = false, both_sides = false;
-  int rows = 0, columns = 0, phi_cells = 0;
-  float azimuth_turns = 0;  ///< of w_i, as a fraction of a turn
-  /// Counts [slot][target], and one place more for what is not counted.
-  std::uint64_t* counts = nullptr;
+/// What the walks of a task are estimated by.
+enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
+
+/// What a batch's walks add up to.
+struct LaneSums {
+  /// Walks [WalkEnd][order], orders from 4 on together.
+  std::uint64_t* ends = nullptr;
+  /// Weights of walks at their end [channel][WalkEnd][order] in units of 1 / kPointUnits; only if
+  /// the task has weights or three channels.
+  std::int64_t* weights = nullptr;
+  /// cells_counted: walks, or the weights of walks, [channel][slot][target], and one place more for
+  /// what is not counted.
+  std::int64_t* cells = nullptr;
+  /// Next event: p(w_i -> w_o) exp(-tau) (on cells, over |mu_o|) times the weight, if the task has
+  /// weights or three channels: [slot][channel][place].
+  std::int64_t* targets = nullptr;
+  /// Steps taken times lanes, and how many of these lanes were at an event of a walk.
+  std::uint64_t lane_steps = 0, busy_lane_steps = 0;
+  std::uint64_t reflections = 0;  ///< the substrate's among them
+  /// 1 + the index of a walk that met a number that is not finite.
+  std::uint64_t bad_walk = 0;
 };
 
-/// Up to this chance of a first collision it is forced (the series for it is 1e-7 off there).
-inline constexpr double kForcedChance = 0.05;
-
-/// Walks of one batch through one homogeneous layer at one albedo. Walk j of `walks` has the index
-/// (index_high, index_low + j index_stride), which does not overflow.
+/// Walks of one batch. Walk j of `walks` has the index (index_high, index_low + j index_stride),
+/// which does not overflow.
 struct LaneWalkTask {
-  LaneMediumNumbers medium;
-  float depth = 0;  ///< infinity for a half space
-  float wi[3] = {};
-  bool from_above = true;
-  float first_flight = 0;  ///< |mu_i| / sigma(w_i): depth per unit of the exponential number
-  /// Above 0: every walk collides, its first flight within the layer; this is the chance of that,
-  /// at most kForcedChance.
-  float forced_chance = 0;
-  /// 1 / -log(albedo), infinity at albedo 1: from the fourth event on a walk survives with the
-  /// albedo.
-  float orders_per_absorption = 0;
-  bool black = false;  ///< albedo 0: the first event ends a walk
-  std::uint32_t max_order = 0;
-  std::uint64_t seed = 0;
+  WalkSetting<float> walk;
+  /// One layer of one medium without weights: volume/lane_walk.cpp. Else
+  /// volume/lane_stack_walk.cpp.
+  bool one_medium = false;
+  bool weights = false;  ///< walks carry weights, one per channel; else the order alone tells them
+  int channels = 1;
+  LaneEstimate estimate = LaneEstimate::energies;
+  LanePoints points;
+  LaneCells cells;
+  /// Without weights and with three channels: the weight of a walk after so many events, and the
+  /// weight that an event of that order sends out; [channel][order_cap + 1].
+  const std::int64_t* end_weight = nullptr;
+  const float* event_weight = nullptr;
+  std::uint32_t order_cap = 0;
   std::uint32_t index_high = 0, index_low = 0, index_stride = 0;
   std::uint32_t walks = 0;
-  /// Counts [WalkEnd][order], orders from order_cap on together.
-  std::uint64_t* ends = nullptr;
-  std::uint32_t order_cap = 0;
-  LaneCells cells;
-  LanePoints points;
-  /// Steps taken times lanes, and how many of these lanes were at a collision of a walk.
-  std::uint64_t *lane_steps = nullptr, *busy_lane_steps = nullptr;
-  /// Set to 1 + the index of a walk that met a number that is not finite.
-  std::uint64_t* bad_walk = nullptr;
+
+  [[nodiscard]] bool weighs() const { return weights || channels > 1; }
 };
 
-/// Cubics of each of the four tables of vmf_marginals (volume/lane_marginals.h).
-inline constexpr int kMarginalPieces = 256;
-
-LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task, LaneSums& sums))
+LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task, LaneSums& sums))
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 #include "volume/density_grid.h"
 #include "volume/grain_walk.h"
 #include "volume/lane_run.h"
+#include "volume/lane_setting.h"
 
 namespace lamella {
 
@@ -136,6 +137,27 @@ void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector
                    "of the mean over realisations: grains and substrate are reciprocal"});
 }
 
+void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& notes) {
+  if (const auto reason = why_not_lanes(stack, plan)) {
+    notes.push_back({"instructions", "scalar kernel, double precision", *reason});
+    return;
+  }
+  notes.push_back({"instructions", fmt::format("{} lanes, single precision", to_text(plan.isa)),
+                   "float resolves all depths and media: the same walks in double differ by less "
+                   "than 1e-5; the first collision is forced where its chance is below 5 %"});
+  if (const auto reason = why_not_lanes_in_cells(stack, plan, CellGrid{}))
+    notes.push_back({"instructions", "scalar kernel for next-event estimation in cells", *reason});
+  const bool common = LaneSetting<double>(stack, plan, {0, 0, 1}, 0).common_albedo;
+  notes.push_back(common ? PlanNote{"weights",
+                                    plan.channels == 1
+                                        ? "none: a walk's order tells its weight"
+                                        : "none: colours are recombined from orders, c^k f_k",
+                                    "one albedo in all layers, no Fresnel factor, no substrate"}
+                         : PlanNote{"weights", "carried by each walk, one per channel",
+                                    "albedos differ, or a Fresnel factor or substrate takes its "
+                                    "share"});
+}
+
 }  // namespace
 
 std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
@@ -204,16 +226,7 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                    stack.is_half_space() ? "a half space keeps some walks for ever: their share is "
                                            "reported as unresolved"
                                          : "what is cut is reported as unresolved"});
-  const auto scalar = why_not_lanes(stack, plan);
-  notes.push_back(
-      scalar ? PlanNote{"instructions", "scalar kernel, double precision", *scalar}
-             : PlanNote{"instructions",
-                        fmt::format("{} lanes, single precision; next-event cells: scalar kernel, "
-                                    "double precision",
-                                    to_text(plan.isa)),
-                        "one grey layer whose depth and medium float resolves; the first collision "
-                        "is forced "
-                        "where its chance is below 5 %"});
+  explain_lanes(stack, plan, notes);
   return notes;
 }
 

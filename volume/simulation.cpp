@@ -67,8 +67,10 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
         grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
     return;
   }
-  if (estimator == Estimator::analog && !why_not_lanes(stack_, plan_)) {
-    lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, &targets_);
+  if (!(estimator == Estimator::analog ? why_not_lanes(stack_, plan_)
+                                       : why_not_lanes_in_cells(stack_, plan_, targets_.grid))) {
+    lanes_ =
+        std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, targets_, estimator);
     run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {
       lanes_->run(batch, from, to, batches_[batch]);
     };

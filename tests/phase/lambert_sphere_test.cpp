@@ -22,8 +22,8 @@ TEST(LambertSphere, PhaseFunctionMatchesManyDigitsDownToTheSmallestDeflection) {
     const double expected = static_cast<double>(p);
     EXPECT_NEAR(lambert_sphere_phase(cosine), expected, 1e-12 * expected) << x;
   }
-  EXPECT_EQ(lambert_sphere_phase(1), 0);
-  EXPECT_NEAR(lambert_sphere_phase(-1), 2 / (3 * kPi), 1e-15);
+  EXPECT_EQ(lambert_sphere_phase(1.0), 0);
+  EXPECT_NEAR(lambert_sphere_phase(-1.0), 2 / (3 * kPi), 1e-15);
 }
 
 TEST(LambertSphere, CumulativeDistributionIsTheIntegralOfThePhaseFunction) {

@@ -17,16 +17,11 @@ namespace lamella {
 namespace {
 
 using testing::allowed_z;
+using testing::lane_isas;
 using testing::layer;
 using testing::point_estimate;
 using testing::stack_from;
 using testing::z_between;
-
-std::vector<Isa> lane_isas() {
-  std::vector<Isa> list = supported_isas();
-  list.erase(list.begin());  // scalar
-  return list;
-}
 
 Plan plan_for(const Stack& stack, Isa isa, std::uint64_t max_order = 1000) {
   Plan plan = make_plan(stack, max_order);
@@ -267,12 +262,10 @@ TEST_P(LaneWalk, HardCasesKeepTheLedgerOrAreLeftToDouble) {
             EXPECT_EQ(run.reflected.total[0].value, 0) << keys;
           }
         }
-  for (const char* medium :
-       {"medium = 'sggx'\nroughness = 0.001\nthickness = 1",
-        "medium = 'vmf_flake'\nalpha = 0.1\nthickness = 1",
-        "medium = 'henyey_greenstein'\ng = 0.999\nthickness = 1",
-        "medium = 'lambert_sphere'\nthickness = 1e9",
-        "medium = 'lambert_sphere'\nalbedo = [0.9, 0.5, 0.2]\nthickness = 1"}) {
+  for (const char* medium : {"medium = 'sggx'\nroughness = 0.001\nthickness = 1",
+                             "medium = 'vmf_flake'\nalpha = 0.1\nthickness = 1",
+                             "medium = 'henyey_greenstein'\ng = 0.999\nthickness = 1",
+                             "medium = 'lambert_sphere'\nthickness = 1e9"}) {
     const Stack stack = stack_from(layer(medium));
     EXPECT_TRUE(why_not_lanes(stack, plan_for(stack, GetParam()))) << medium;
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -21,6 +23,27 @@ namespace lamella::testing {
 
 [[nodiscard]] inline std::string layer(const std::string& keys) {
   return "[[layer]]\n" + keys + "\n";
+}
+
+/// The instruction sets with lanes that this machine has.
+[[nodiscard]] inline std::vector<Isa> lane_isas() {
+  std::vector<Isa> list = supported_isas();
+  list.erase(list.begin());  // scalar
+  return list;
+}
+
+/// Tests of walks that run on the scalar kernel and on each instruction set's lanes, by plans from
+/// plan_of.
+class OnEveryIsa : public ::testing::TestWithParam<Isa> {
+ protected:
+  static inline Isa isa_ = Isa::scalar;
+  void SetUp() override { isa_ = GetParam(); }
+  friend Plan plan_of(const Stack& stack, std::uint64_t max_order);
+};
+[[nodiscard]] inline Plan plan_of(const Stack& stack, std::uint64_t max_order = 1000) {
+  Plan plan = make_plan(stack, max_order);
+  plan.isa = OnEveryIsa::isa_;
+  return plan;
 }
 
 /// One layer's keys for every medium, without albedo and thickness.

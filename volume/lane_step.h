@@ -1,0 +1,307 @@
+#pragma once
+
+// One step of walks: an event, and the flight to the next one. A template over the number type, so
+// that lanes of float and the double that they are held against (volume/lane_replay.h) are the
+// same walk with the same random numbers.
+
+#include "phase/color.h"
+#include "volume/lane_media.h"
+
+namespace lamella {
+
+/// Streams of such a walk, beside those of StreamPurpose: up to its first collision, two blocks per
+/// event from there, the place within cells that an event's light is sent to.
+inline constexpr std::uint32_t kLaneStartStream = 4, kLaneWalkStream = 5, kLaneTargetStream = 6;
+/// Set in the position of an event's second block.
+inline constexpr std::uint32_t kSecondBlock = 0x80000000u;
+
+/// What became of a walk.
+enum class WalkEnd : std::uint32_t { up = 0, down = 1, absorbed = 2, unresolved = 3 };
+inline constexpr int kWalkEnds = 4;
+/// The order from which on walks end by roulette: kTallyOrders.
+inline constexpr std::uint32_t kRouletteOrder = 4;
+
+/// A stack and its light as such walks know them.
+template <class Scalar>
+struct WalkSetting {
+  const LayerNumbers<Scalar>* layers = nullptr;
+  int layer_count = 0;
+  unsigned kinds = 0;  ///< bit LaneMediumKind: there is a layer of it, or a substrate
+  bool substrate = false, fresnel = false, from_above = true;
+  bool grey = true;  ///< all channels are the same
+  Scalar wi[3] = {};
+  /// Above 0: every walk collides; this is the chance that it would.
+  Scalar forced_chance = 0;
+  /// Walks without weights: 1 / -log(albedo), infinity at albedo 1. From the fourth event on a walk
+  /// survives with the albedo.
+  Scalar orders_per_absorption = 0;
+  bool black = false;  ///< the first event ends a walk
+  Scalar substrate_albedo[3] = {};
+  std::uint32_t max_order = 0;
+  std::uint64_t seed = 0;
+};
+
+/// Walks, one per lane. C: weights that they carry, 3, or 0 where the order alone tells them.
+template <class Real, int C>
+struct LaneState {
+  Vec3<Real> wi;  ///< points back to where the light comes from
+  Real y;         ///< depth below the layer's top
+  WordsOf<Real> layer, order, death, index, step;
+  Real weight[C > 0 ? C : 1];
+};
+
+/// One layer of one medium, known at compile time.
+template <class Real, template <class> class M>
+struct OneMedium {
+  static constexpr bool kSingle = true, kCountsSteps = M<Real>::kNull;
+  static constexpr bool kMayBeTwoBlocks = M<Real>::kNull;
+  using Scalar = typename NumberTraits<Real>::Scalar;
+  M<Real> medium;
+  Real depth;
+
+  LAMELLA_INLINE explicit OneMedium(const WalkSetting<Scalar>& t)
+      : medium(OneLayer<Real>{*t.layers, 0}), depth(t.layers->value[kDepth][0]) {}
+  LAMELLA_INLINE bool two_blocks(bool) const { return kMayBeTwoBlocks; }
+  template <class F>
+  LAMELLA_INLINE void visit(WordsOf<Real>, const F& f) const {
+    f(medium, std::true_type{}, every_lane<Real>());
+  }
+  /// Moves y by a flight of `remaining` mean free paths; whether it ends at a collision.
+  LAMELLA_INLINE MaskOf<Real> fly(Vec3<Real> wi, Real remaining, MaskOf<Real>, WordsOf<Real>&,
+                                  Real& y) const {
+    y = multiply_add(remaining * medium.inverse_area(wi), wi.z, y);
+    const auto down = wi.z > Real(0);
+    return (down & (y < depth)) | without(y > Real(0), down);
+  }
+};
+
+/// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
+template <class Real>
+struct AnyMedia {
+  static constexpr bool kSingle = false, kCountsSteps = true, kMayBeTwoBlocks = true;
+  using Scalar = typename NumberTraits<Real>::Scalar;
+  using Mask = MaskOf<Real>;
+  using Words = WordsOf<Real>;
+  const WalkSetting<Scalar>& t;
+  Words count;
+  bool one_kind, has_vmf;
+
+  LAMELLA_INLINE explicit AnyMedia(const WalkSetting<Scalar>& setting)
+      : t(setting),
+        count(static_cast<std::uint32_t>(setting.layer_count)),
+        one_kind((setting.kinds & (setting.kinds - 1)) == 0),
+        has_vmf((setting.kinds & (1u << static_cast<int>(LaneMediumKind::vmf_mirror) |
+                                  1u << static_cast<int>(LaneMediumKind::vmf_lambert))) != 0) {}
+  LAMELLA_INLINE bool two_blocks(bool weights) const { return has_vmf || weights; }
+
+  template <class M, class F>
+  LAMELLA_INLINE void visit_kind(Words layer, Real kind, const F& f) const {
+    if (!(t.kinds >> static_cast<int>(M::kKind) & 1u)) return;
+    const Mask here = equal(kind, Real(static_cast<int>(M::kKind)));
+    if (!one_kind && !any(here)) return;
+    f(M(LayerPerLane<Real>{*t.layers, layer}), std::false_type{}, here);
+  }
+  /// f(medium, whether it is that of all lanes, that of which lanes) for each medium present.
+  template <class F>
+  LAMELLA_INLINE void visit(Words layer, const F& f) const {
+    Real kind = lookup(t.layers->value[kKind], layer);
+    if (t.substrate)
+      kind = select(to_float_mask(equal(layer, count)),
+                    Real(static_cast<int>(LaneMediumKind::substrate)), kind);
+    visit_kind<LambertSphereOnLanes<Real>>(layer, kind, f);
+    visit_kind<HenyeyGreensteinOnLanes<Real>>(layer, kind, f);
+    visit_kind<SggxMirrorOnLanes<Real>>(layer, kind, f);
+    visit_kind<SggxLambertOnLanes<Real>>(layer, kind, f);
+    visit_kind<VmfMirrorOnLanes<Real>>(layer, kind, f);
+    visit_kind<VmfLambertOnLanes<Real>>(layer, kind, f);
+    visit_kind<SubstrateOnLanes<Real>>(layer, kind, f);
+  }
+
+  LAMELLA_INLINE Real inverse_area(Words layer, Vec3<Real> w) const {
+    const LayerPerLane<Real> numbers{*t.layers, layer};
+    // Particles have the unit matrix.
+    const Real inverse = SggxOnLanes<Real>(numbers).inverse_area(w);
+    if (!has_vmf) return inverse;
+    return select(numbers(kFront) > Real(0), VmfOnLanes<Real>(numbers).inverse_area(w), inverse);
+  }
+  /// Moves y and the layer by a flight of `remaining` mean free paths, exactly across layers, of
+  /// the lanes that fly; which of them end at a collision (the substrate's, too).
+  LAMELLA_INLINE Mask fly(Vec3<Real> wi, Real remaining, Mask flies, Words& layer, Real& y) const {
+    using std::abs;
+    const Mask down = wi.z > Real(0);
+    const Real inverse_mu = reciprocal(max(abs(wi.z), Real(1e-30)));
+    if (t.substrate) {  // leaves it upwards
+      const Mask from = flies & to_float_mask(equal(layer, count));
+      layer = select(to_word_mask(from), layer - Words(1u), layer);
+      y = select(from, lookup(t.layers->value[kDepth], layer), y);
+    }
+    Mask collides = without(flies, flies);
+    for (;;) {
+      const Real inverse = inverse_area(layer, wi), depth = lookup(t.layers->value[kDepth], layer);
+      const Real to = multiply_add(remaining * inverse, wi.z, y);
+      const Mask inside = flies & ((down & (to < depth)) | without(to > Real(0), down));
+      collides = collides | inside;
+      y = select(inside, to, y);
+      flies = without(flies, inside);
+      if (!any(flies)) return collides;
+      const Real way = select(down, depth - y, y);
+      // Of a half space that is left downwards nothing remains to be crossed.
+      const Real spent = min(way * inverse_mu, Real(1e30)) * reciprocal(inverse);
+      remaining = nonnegative(remaining - spent);
+      const auto up_words = to_word_mask(without(flies, down)),
+                 down_words = to_word_mask(flies & down);
+      layer = select(up_words, layer - Words(1u), select(down_words, layer + Words(1u), layer));
+      if (t.substrate) collides = collides | (flies & to_float_mask(equal(layer, count)));
+      flies = flies & to_float_mask(layer < count);
+      y = select(flies, select(down, Real(0), lookup(t.layers->value[kDepth], layer)), y);
+      if (!any(flies)) return collides;
+    }
+  }
+};
+
+/// Scores nothing.
+struct NoScore {
+  template <class All, class M, class Real, class State, class Mask>
+  LAMELLA_INLINE void operator()(All, const M&, const LaneEvent<Real>&, const State&, Mask) const {}
+};
+
+/// How walks end in a step.
+template <class Real>
+struct LaneEnds {
+  MaskOf<Real> ends;         ///< of which lanes
+  WordsOf<Real> code;        ///< WalkEnd + 4 order
+  MaskOf<Real> events;       ///< which lanes met an event that counts
+  MaskOf<Real> reflections;  ///< the substrate's among them
+};
+
+/// The weights after an event of order w.order, given what it keeps: survival from the fourth event
+/// on has the chance of the brightest channel. Which of the lanes `counts` end.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE MaskOf<Real> weigh(LaneState<Real, 3>& w, const Real* kept, bool grey,
+                                                MaskOf<Real> counts, Real uniform) {
+  Real on[3], before = Real(0), after = Real(0);
+  for (int c = 0; c < 3; ++c) {
+    on[c] = w.weight[c] * kept[c];
+    before = max(before, w.weight[c]);
+    after = max(after, on[c]);
+  }
+  const auto late = to_float_mask(w.order >= WordsOf<Real>(kRouletteOrder));
+  const auto gone = counts & ((late & (uniform * before >= after)) | (after <= Real(0)));
+  const Real scale = before / max(after, Real(1e-30));
+  for (int c = 0; c < 3; ++c) {
+    // Grey: with the weight it had, to the last bit.
+    const Real survivor = grey ? w.weight[c] : on[c] * scale;
+    w.weight[c] = select(counts, select(late, survivor, on[c]), w.weight[c]);
+  }
+  return gone;
+}
+
+/// All active lanes are at a collision, or a null one: the event and the flight to the next one.
+/// numbers(position, stream, index): a block of random words.
+template <int C, class Set, class Real, class Score, class Numbers>
+LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                   const Set& set, LaneState<Real, C>& w, MaskOf<Real> active,
+                                   const Score& score, const Numbers& numbers) {
+  using Mask = MaskOf<Real>;
+  using Words = WordsOf<Real>;
+  using std::log;
+  const Words position = Set::kCountsSteps ? w.step : w.order;
+  WordBlock<Words> words[2];
+  words[0] = numbers(position, kLaneWalkStream, w.index);
+  words[1] = words[0];
+  if (set.two_blocks(C > 0))
+    words[1] = numbers(position | Words(kSecondBlock), kLaneWalkStream, w.index);
+  if constexpr (Set::kCountsSteps) w.step = w.step + Words(1u);
+  const Mask last = to_float_mask(equal(w.order, Words(t.max_order)));
+  Mask over = without(active, active), events = over, reflections = over;
+  Vec3<Real> wi = w.wi;
+  Real kept[C > 0 ? C : 1];
+  if constexpr (C > 0)
+    for (Real& k : kept) k = Real(1);
+  set.visit(w.layer, [&](const auto& medium, auto all, Mask here) LAMELLA_INLINE_LAMBDA {
+    using M = std::remove_cvref_t<decltype(medium)>;
+    const auto event = medium.collide(w.wi, words);
+    Mask scatters = active;
+    if constexpr (!all) scatters = scatters & here;
+    if constexpr (M::kNull) scatters = scatters & event.accepted;
+    const Mask counts = without(scatters, last);
+    over = over | (scatters & last);
+    events = events | counts;
+    if constexpr (M::kKind == LaneMediumKind::substrate) reflections = counts;
+    score(all, medium, event, w, counts);
+    const auto scattered = medium.sample(event, words);
+    if constexpr (all && !M::kNull)
+      wi = -scattered.wo;  // lanes that do not count end here
+    else
+      wi = select(counts, -scattered.wo, wi);
+    if constexpr (C > 0) {
+      constexpr bool substrate = M::kKind == LaneMediumKind::substrate;
+      const LayerPerLane<Real> layers{*t.layers, w.layer};
+      for (int c = 0; c < C; ++c) {
+        Real k = substrate ? Real(t.substrate_albedo[c]) : layers(kAlbedo + c);
+        if (M::kMirror && t.fresnel) {
+          const Real f0 = layers(kF0 + c);
+          k = k * multiply_add(schlick_weight(scattered.cosine), Real(1) - f0, f0);
+        }
+        kept[c] = select(counts, k, kept[c]);
+      }
+    }
+  });
+  w.order = select(to_word_mask(events), w.order + Words(1u), w.order);
+  w.wi = wi;
+  Mask gone;
+  if constexpr (C > 0)
+    gone = weigh(w, kept, t.grey, events, uniform_of(words[1].w[3]));
+  else
+    gone = events & to_float_mask(w.order >= w.death);
+  const Real remaining = -log(fine_uniform_of(words[0].w[0]));
+  const Mask collides = set.fly(w.wi, remaining, without(active, gone | over), w.layer, w.y);
+  const auto down = to_word_mask(w.wi.z > Real(0));
+  Words end = select(down, Words(1u), Words(0u));
+  end = select(to_word_mask(gone), Words(2u), end);
+  end = select(to_word_mask(over), Words(3u), end);
+  return {without(active, without(collides, gone | over)), end + shift_left<2>(w.order), events,
+          reflections};
+}
+
+/// Begins the walks `w.index`: their first flight. Which of them collide; the others leave the
+/// stack as they came.
+template <int C, class Set, class Real, class Numbers>
+LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                  const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist,
+                                  const Numbers& numbers) {
+  using Words = WordsOf<Real>;
+  using std::log;
+  const WordBlock<Words> block = numbers(Words(0u), kLaneStartStream, w.index);
+  const Real uniform = fine_uniform_of(block.w[0]);
+  w.wi = {Real(t.wi[0]), Real(t.wi[1]), Real(t.wi[2])};
+  const int start = t.from_above ? 0 : t.layer_count - 1;
+  w.layer = Words(static_cast<std::uint32_t>(start));
+  const Real bottom = Real(t.layers->value[kDepth][start]);
+  w.y = t.from_above ? Real(0) : bottom;
+  w.order = Words(0u);
+  w.step = Words(0u);
+  for (Real& weight : w.weight) weight = Real(1);
+  // The event at which the roulette of the fourth and later ones ends the walk.
+  const Real survived =
+      min(-log(fine_uniform_of(block.w[1])) * Real(t.orders_per_absorption), Real(1e9));
+  w.death = t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder);
+  if (!(t.forced_chance > 0)) return set.fly(w.wi, -log(uniform), exist, w.layer, w.y) & exist;
+  // -log(1 - x) by its series, x the uniform number times the chance
+  const Real x = uniform * Real(t.forced_chance);
+  Real p = multiply_add(x, Real(0.2), Real(0.25));
+  p = multiply_add(x, p, Real(1.0 / 3));
+  p = multiply_add(x, p, Real(0.5));
+  const auto inside = set.fly(w.wi, multiply_add(x * x, p, x), exist, w.layer, w.y);
+  // What rounding sends out has its collision at the end of the way.
+  const int last = t.from_above ? t.layer_count - 1 : 0;
+  const auto out = !inside;
+  w.layer = select(to_word_mask(out), Words(static_cast<std::uint32_t>(last)), w.layer);
+  w.y = select(out, t.from_above ? Real(t.layers->value[kDepth][last]) : Real(0), w.y);
+  return exist;
+}
+
+/// Up to this chance of a first collision it is forced (the series for it is 1e-7 off there).
+inline constexpr double kForcedChance = 0.05;
+
+}  // namespace lamella
