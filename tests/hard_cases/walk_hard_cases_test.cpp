@@ -10,12 +10,12 @@ namespace {
 
 using testing::allowed_z;
 using testing::layer;
+using testing::plan_of;
 using testing::stack_from;
 
 RunResult run_of(const Stack& stack, Direction wi, Estimator estimator, std::uint64_t walks,
                  std::uint64_t max_order = 1000) {
-  Simulation simulation(stack, make_plan(stack, max_order), wi, estimator, CellGrid{2, 4, false},
-                        1);
+  Simulation simulation(stack, plan_of(stack, max_order), wi, estimator, CellGrid{2, 4, false}, 1);
   simulation.advance(walks);
   return reduce(simulation);
 }
@@ -57,7 +57,9 @@ const std::vector<std::string>& extreme_media() {
   return list;
 }
 
-TEST(WalkHardCases, EveryMediumAtBothEndsOverOpticalDepthsAndAngles) {
+class WalkHardCases : public testing::OnEveryIsa {};
+
+TEST_P(WalkHardCases, EveryMediumAtBothEndsOverOpticalDepthsAndAngles) {
   for (const std::string& medium : extreme_media())
     for (const char* thickness : {"0", "1e-9", "1", "1e9"})
       for (const double mu : {1.0, 0.5, 1e-3, 1e-7, 0.0, -1e-7, -1.0}) {
@@ -69,7 +71,7 @@ TEST(WalkHardCases, EveryMediumAtBothEndsOverOpticalDepthsAndAngles) {
       }
 }
 
-TEST(WalkHardCases, HalfSpacesOfAlbedoZeroAndOne) {
+TEST_P(WalkHardCases, HalfSpacesOfAlbedoZeroAndOne) {
   for (const std::string& medium : extreme_media())
     for (const char* albedo : {"0", "1"})
       for (const double mu : {1.0, 1e-7, 0.0}) {
@@ -84,7 +86,7 @@ TEST(WalkHardCases, HalfSpacesOfAlbedoZeroAndOne) {
       }
 }
 
-TEST(WalkHardCases, GrazingLightOnAnIsotropicHalfSpaceHasItsLimit) {
+TEST_P(WalkHardCases, GrazingLightOnAnIsotropicHalfSpaceHasItsLimit) {
   // Energy reflected at mu = 0 of an isotropic half space: 1 - sqrt(1 - c) H(0) with H(0) = 1.
   const Stack stack =
       stack_from(layer("medium = 'henyey_greenstein'\nalbedo = 0.8\nthickness = inf"));
@@ -96,7 +98,7 @@ TEST(WalkHardCases, GrazingLightOnAnIsotropicHalfSpaceHasItsLimit) {
   }
 }
 
-TEST(WalkHardCases, ThinLayersReflectInProportionToTheirDepth) {
+TEST_P(WalkHardCases, ThinLayersReflectInProportionToTheirDepth) {
   // Order 1 of an isotropic layer tends to c depth / (2 mu) as depth -> 0: half of what collides.
   const Stack stack =
       stack_from(layer("medium = 'henyey_greenstein'\nalbedo = 1\nthickness = 1e-4"));
@@ -113,7 +115,7 @@ TEST(WalkHardCases, ThinLayersReflectInProportionToTheirDepth) {
   EXPECT_NEAR(energy, 1e-4, allowed_z() * error + 2e-7);
 }
 
-TEST(WalkHardCases, AThousandLayersEqualOne) {
+TEST_P(WalkHardCases, AThousandLayersEqualOne) {
   std::string many;
   for (int k = 0; k < 1000; ++k)
     many += layer("medium = 'henyey_greenstein'\ng = 0.5\nalbedo = 0.9\nthickness = 0.002");
@@ -130,13 +132,16 @@ TEST(WalkHardCases, AThousandLayersEqualOne) {
   }
 }
 
-TEST(WalkHardCases, EmptyStackIsACleanWindow) {
+TEST_P(WalkHardCases, EmptyStackIsACleanWindow) {
   const Stack stack = stack_from(layer("medium = 'lambert_sphere'\nthickness = 0"));
   for (const double mu : {1.0, 0.0, -0.5}) {
     const RunResult run = run_of(stack, direction_from_mu_phi(mu, 0), Estimator::next_event, 256);
     EXPECT_EQ(run.uncollided[0].value, 1);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(EveryIsa, WalkHardCases, ::testing::ValuesIn(supported_isas()),
+                         [](const auto& isa) { return to_text(isa.param); });
 
 }  // namespace
 }  // namespace lamella

@@ -10,6 +10,7 @@ namespace {
 
 using testing::allowed_z;
 using testing::layer;
+using testing::plan_of;
 using testing::stack_from;
 
 RunResult run_of(const Stack& stack, const Plan& plan, Direction wi, Estimator estimator,
@@ -29,23 +30,25 @@ double seen(const SideResult& side, const RunResult& run, int channel) {
   return sum;
 }
 
-TEST(Ledger, SumsToOnePerChannelForEveryBuiltinStack) {
+class Ledger : public testing::OnEveryIsa {};
+
+TEST_P(Ledger, SumsToOnePerChannelForEveryBuiltinStack) {
   for (const BuiltinStack& builtin : builtin_stacks()) {
     const Stack stack = load_stack(builtin.name);
     if (stack.grains()) continue;  // grain_walk_test.cpp
     const RunResult run =
-        run_of(stack, make_plan(stack), direction_from_degrees(60, 30), Estimator::analog, 5000);
+        run_of(stack, plan_of(stack), direction_from_degrees(60, 30), Estimator::analog, 5000);
     for (int c = 0; c < run.channels; ++c)
       EXPECT_NEAR(ledger_sum(run, c), 1, 1e-12) << builtin.name;  // rounding of 5000 sums
   }
 }
 
-TEST(Ledger, AbsorbedLightIsOneMinusAlbedoOfEachEventsLight) {
+TEST_P(Ledger, AbsorbedLightIsOneMinusAlbedoOfEachEventsLight) {
   // Counted on its own: a slab so thin that all but a share of order depth^2 collides once at most.
   const Stack stack = stack_from(
       layer("medium = 'henyey_greenstein'\nalbedo = [0.9, 0.5, 0.2]\nthickness = 0.001"));
   const RunResult run =
-      run_of(stack, make_plan(stack), direction_from_degrees(0, 0), Estimator::analog, 400000);
+      run_of(stack, plan_of(stack), direction_from_degrees(0, 0), Estimator::analog, 400000);
   const double collided = -std::expm1(-0.001);
   for (int c = 0; c < 3; ++c) {
     const double expected = collided * (1 - stack.layers[0].albedo[c]);
@@ -54,17 +57,17 @@ TEST(Ledger, AbsorbedLightIsOneMinusAlbedoOfEachEventsLight) {
   }
 }
 
-TEST(Ledger, WhiteStacksOfEveryMediumKeepTheirEnergy) {
+TEST_P(Ledger, WhiteStacksOfEveryMediumKeepTheirEnergy) {
   for (const std::string& medium : testing::every_medium()) {
     const Stack stack = whitened(stack_from(layer(medium + "\nthickness = 1.5")));
     for (const double theta : {30.0, 88.0, 120.0}) {
       const Direction wi = direction_from_degrees(theta, 0);
-      const RunResult analog = run_of(stack, make_plan(stack), wi, Estimator::analog, 20000);
+      const RunResult analog = run_of(stack, plan_of(stack), wi, Estimator::analog, 20000);
       EXPECT_EQ(analog.absorbed[0].value, 0) << medium;
       EXPECT_EQ(analog.unresolved[0].value, 0) << medium;
       // Next-event estimation weighs by sigma and p what the walk samples: its energy is no
       // identity.
-      Simulation next(stack, make_plan(stack), wi, Estimator::next_event, CellGrid{4, 8, false}, 2);
+      Simulation next(stack, plan_of(stack), wi, Estimator::next_event, CellGrid{4, 8, false}, 2);
       next.advance(20000);
       const double solid_angle = next.targets().grid.projected_solid_angle();
       const Estimate energy = batch_estimate(next.batches(), [&](const BatchTally& b) {
@@ -77,20 +80,20 @@ TEST(Ledger, WhiteStacksOfEveryMediumKeepTheirEnergy) {
   }
 }
 
-TEST(Ledger, HalfSpaceLeavesWhatTheOrderLimitCutsAsUnresolved) {
+TEST_P(Ledger, HalfSpaceLeavesWhatTheOrderLimitCutsAsUnresolved) {
   const Stack stack = load_stack("lambert_sphere_white");
   const RunResult run =
-      run_of(stack, make_plan(stack, 20), direction_from_degrees(60, 0), Estimator::analog, 20000);
+      run_of(stack, plan_of(stack, 20), direction_from_degrees(60, 0), Estimator::analog, 20000);
   EXPECT_GT(run.unresolved[0].value, 0.1);
   EXPECT_NEAR(ledger_sum(run, 0), 1, 1e-12);
 }
 
-TEST(Ledger, SubstrateReflectsAsAnOrderAndAbsorbsTheRest) {
+TEST_P(Ledger, SubstrateReflectsAsAnOrderAndAbsorbsTheRest) {
   // Below nothing at all: one reflection, f = albedo / pi.
   const Stack stack = stack_from(layer("medium = 'henyey_greenstein'\nthickness = 0") +
                                  "[substrate]\nalbedo = [0.5, 0.25, 1]\n");
   const RunResult run =
-      run_of(stack, make_plan(stack), direction_from_degrees(40, 0), Estimator::next_event, 2000);
+      run_of(stack, plan_of(stack), direction_from_degrees(40, 0), Estimator::next_event, 2000);
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(run.reflected.orders[0][c].value, stack.substrate->albedo[c], 1e-12);
     EXPECT_NEAR(run.absorbed[c].value, 1 - stack.substrate->albedo[c], 1e-12);
@@ -100,14 +103,14 @@ TEST(Ledger, SubstrateReflectsAsAnOrderAndAbsorbsTheRest) {
   }
 }
 
-TEST(Ledger, AnalogAndNextEventAgreeOnEveryMedium) {
+TEST_P(Ledger, AnalogAndNextEventAgreeOnEveryMedium) {
   for (const std::string& medium : testing::every_medium()) {
     const Stack stack =
         stack_from(layer(medium + "\nalbedo = 0.8\nthickness = 1") +
                    layer("medium = 'lambert_sphere'\nalbedo = 0.9\nthickness = 0.5"));
     const Direction wi = direction_from_degrees(65, 40);
-    const RunResult a = run_of(stack, make_plan(stack), wi, Estimator::analog, 100000, 1);
-    const RunResult n = run_of(stack, make_plan(stack), wi, Estimator::next_event, 10000, 2);
+    const RunResult a = run_of(stack, plan_of(stack), wi, Estimator::analog, 100000, 1);
+    const RunResult n = run_of(stack, plan_of(stack), wi, Estimator::next_event, 10000, 2);
     for (const bool reflected : {true, false}) {
       const SideResult& sa = reflected ? a.reflected : a.transmitted;
       const SideResult& sn = reflected ? n.reflected : n.transmitted;
@@ -135,6 +138,9 @@ TEST(Ledger, ThePlanChangesTheCostAndNotTheAnswer) {
     EXPECT_DOUBLE_EQ(narrow.reflected.orders[o][0].value, general.reflected.orders[o][1].value);
   EXPECT_NEAR(seen(narrow.reflected, narrow, 0), seen(general.reflected, general, 2), 1e-12);
 }
+
+INSTANTIATE_TEST_SUITE_P(EveryIsa, Ledger, ::testing::ValuesIn(supported_isas()),
+                         [](const auto& isa) { return to_text(isa.param); });
 
 }  // namespace
 }  // namespace lamella

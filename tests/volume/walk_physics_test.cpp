@@ -12,6 +12,7 @@ namespace {
 
 using testing::allowed_z;
 using testing::layer;
+using testing::plan_of;
 using testing::point_estimate;
 using testing::stack_from;
 using testing::z_between;
@@ -19,7 +20,7 @@ using testing::z_between;
 std::unique_ptr<Simulation> at_points(const Stack& stack, Direction wi,
                                       const std::vector<Direction>& points, std::uint64_t walks,
                                       std::uint64_t seed = 1) {
-  auto simulation = std::make_unique<Simulation>(stack, make_plan(stack), wi, points, seed);
+  auto simulation = std::make_unique<Simulation>(stack, plan_of(stack), wi, points, seed);
   simulation->advance(testing::soaked(walks));
   return simulation;
 }
@@ -33,13 +34,15 @@ Estimate energy(const Simulation& s, bool up, int order) {
 
 std::unique_ptr<Simulation> analog(const Stack& stack, Direction wi, std::uint64_t walks,
                                    std::uint64_t seed = 1) {
-  auto simulation = std::make_unique<Simulation>(stack, make_plan(stack), wi, Estimator::analog,
+  auto simulation = std::make_unique<Simulation>(stack, plan_of(stack), wi, Estimator::analog,
                                                  CellGrid{2, 2, false}, seed);
   simulation->advance(testing::soaked(walks));
   return simulation;
 }
 
-TEST(WalkPhysics, IsotropicSlabMatchesVanDeHulst1980Table12) {
+class WalkPhysics : public testing::OnEveryIsa {};
+
+TEST_P(WalkPhysics, IsotropicSlabMatchesVanDeHulst1980Table12) {
   // Albedo 0.8, optical depth 2, pi f at mu_o = 0.5.
   const Stack stack = load_stack("isotropic_slab");
   const auto check = [&](double mu_i, double sign, double expected) {
@@ -81,7 +84,7 @@ double h_function(double albedo, double mu) {
   return value(mu);
 }
 
-TEST(WalkPhysics, IsotropicHalfSpaceMatchesChandrasekharsHFunction) {
+TEST_P(WalkPhysics, IsotropicHalfSpaceMatchesChandrasekharsHFunction) {
   EXPECT_NEAR(h_function(1, 1), 2.907810529, 5e-4);  // what the rule above is good for
   const Stack stack = load_stack("isotropic_halfspace");
   for (const double mu_i : {1.0, 0.5, 0.1})
@@ -96,7 +99,7 @@ TEST(WalkPhysics, IsotropicHalfSpaceMatchesChandrasekharsHFunction) {
     }
 }
 
-TEST(WalkPhysics, ReflectionIsReciprocalForEveryMediumButTiltedOneSidedFlakes) {
+TEST_P(WalkPhysics, ReflectionIsReciprocalForEveryMediumButTiltedOneSidedFlakes) {
   const Direction a = direction_from_degrees(25, 10), b = direction_from_degrees(70, 130);
   for (const std::string& medium : testing::every_medium()) {
     const Stack stack = stack_from(layer(medium + "\nalbedo = 0.9\nthickness = 2") +
@@ -108,7 +111,7 @@ TEST(WalkPhysics, ReflectionIsReciprocalForEveryMediumButTiltedOneSidedFlakes) {
   }
 }
 
-TEST(WalkPhysics, OneSidedTransmissionFollowsTheLawOfTheReadme) {
+TEST_P(WalkPhysics, OneSidedTransmissionFollowsTheLawOfTheReadme) {
   const Direction above = direction_from_degrees(40, 0), below = direction_from_degrees(120, 70);
   for (const char* flake : {"lambert", "mirror"}) {
     const Stack stack =
@@ -126,7 +129,7 @@ TEST(WalkPhysics, OneSidedTransmissionFollowsTheLawOfTheReadme) {
   }
 }
 
-TEST(WalkPhysics, TiltedOneSidedFlakesAreNotReciprocalWhenTheirNormalsLean) {
+TEST_P(WalkPhysics, TiltedOneSidedFlakesAreNotReciprocalWhenTheirNormalsLean) {
   // The law's premise: with a tilted mean normal exp(rho B_xy . dx) does not cancel over a path.
   const Stack stack = stack_from(layer(
       "medium = 'vmf_flake'\nroughness = 0.3\naxis = [1, 0, 0.2]\nalbedo = 1\nthickness = 3"));
@@ -137,7 +140,7 @@ TEST(WalkPhysics, TiltedOneSidedFlakesAreNotReciprocalWhenTheirNormalsLean) {
   EXPECT_GT(std::abs(z_between(ab, ba)), 10);
 }
 
-TEST(WalkPhysics, OneLayerEqualsTenOfATenthAndAnUnequalSplit) {
+TEST_P(WalkPhysics, OneLayerEqualsTenOfATenthAndAnUnequalSplit) {
   for (const std::string& medium : testing::every_medium()) {
     const auto keys = [&](double thickness) {
       return layer(medium + "\nalbedo = 0.8\nthickness = " + std::to_string(thickness));
@@ -158,7 +161,7 @@ TEST(WalkPhysics, OneLayerEqualsTenOfATenthAndAnUnequalSplit) {
   }
 }
 
-TEST(WalkPhysics, UniformLambertianFlakesAreLambertSpheresOfAQuarterOfTheDensity) {
+TEST_P(WalkPhysics, UniformLambertianFlakesAreLambertSpheresOfAQuarterOfTheDensity) {
   const Stack flakes =
       stack_from(layer("medium = 'vmf_flake'\nroughness = 1\nalbedo = 0.9\nthickness = 4"));
   const Stack spheres =
@@ -170,7 +173,7 @@ TEST(WalkPhysics, UniformLambertianFlakesAreLambertSpheresOfAQuarterOfTheDensity
       EXPECT_LT(std::abs(z_between(energy(*a, up, o), energy(*b, up, o))), allowed_z()) << up << o;
 }
 
-TEST(WalkPhysics, IsotropicMirrorFlakesScatterIsotropically) {
+TEST_P(WalkPhysics, IsotropicMirrorFlakesScatterIsotropically) {
   const Stack flakes =
       stack_from(layer("medium = 'sggx'\nroughness = 1\nalbedo = 0.9\nthickness = 2"));
   const Stack isotropic =
@@ -182,7 +185,7 @@ TEST(WalkPhysics, IsotropicMirrorFlakesScatterIsotropically) {
       EXPECT_LT(std::abs(z_between(energy(*a, up, o), energy(*b, up, o))), allowed_z()) << up << o;
 }
 
-TEST(WalkPhysics, SmoothLambertianFlakesTendToLambert) {
+TEST_P(WalkPhysics, SmoothLambertianFlakesTendToLambert) {
   // At r = 0 the half space is Lambert's exactly: every walk ends after one event, f = albedo / pi.
   const Stack flat =
       stack_from(layer("medium = 'vmf_flake'\nroughness = 0\nalbedo = 0.7\nthickness = inf"));
@@ -203,17 +206,17 @@ TEST(WalkPhysics, SmoothLambertianFlakesTendToLambert) {
   EXPECT_LT(last, 0.02 * 0.7 / kPi);
 }
 
-TEST(WalkPhysics, OneSidedSlabOfFlatFlakesPassesAllLightFromBelow) {
+TEST_P(WalkPhysics, OneSidedSlabOfFlatFlakesPassesAllLightFromBelow) {
   const Stack slab =
       stack_from(layer("medium = 'vmf_flake'\nroughness = 0\nalbedo = 0.7\nthickness = 1.5"));
   EXPECT_DOUBLE_EQ(slab.uncollided(direction_from_degrees(150, 0)), 1);
   EXPECT_NEAR(slab.uncollided(direction_from_degrees(80, 0)), std::exp(-1.5), 1e-15);
 }
 
-TEST(WalkPhysics, DeltaFlakesReflectIntoTheirSpecularLobeAlone) {
+TEST_P(WalkPhysics, DeltaFlakesReflectIntoTheirSpecularLobeAlone) {
   const Stack slab = stack_from(layer(
       "medium = 'vmf_flake'\nroughness = 0\nflake = 'mirror'\nalbedo = 0.8\nthickness = 1.5"));
-  Simulation s(slab, make_plan(slab), direction_from_degrees(30, 0), Estimator::analog,
+  Simulation s(slab, plan_of(slab), direction_from_degrees(30, 0), Estimator::analog,
                CellGrid{4, 8, true}, 1);
   s.advance(100000);
   const RunResult run = reduce(s);
@@ -253,7 +256,7 @@ std::array<double, 4> null_collision_energies(double roughness, double depth, Di
   return reflected;
 }
 
-TEST(WalkPhysics, VisibleNormalsAgreeWithNullCollisions) {
+TEST_P(WalkPhysics, VisibleNormalsAgreeWithNullCollisions) {
   const int walks = static_cast<int>(testing::soaked(200000));
   for (const double r : {0.2, 0.5, 0.9}) {
     const Direction wi = direction_from_degrees(65, 0);
@@ -268,6 +271,9 @@ TEST(WalkPhysics, VisibleNormalsAgreeWithNullCollisions) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(EveryIsa, WalkPhysics, ::testing::ValuesIn(supported_isas()),
+                         [](const auto& isa) { return to_text(isa.param); });
 
 }  // namespace
 }  // namespace lamella
