@@ -4,6 +4,7 @@
 #include "compare/command.h"
 #include "compare/estimator_choice.h"
 #include "compare/json_report.h"
+#include "compare/pilot.h"
 #include "phase/builtin_stacks.h"
 #include "phase/stack_file.h"
 #include "volume/plan.h"
@@ -63,6 +64,10 @@ int explain_command(const Options& options) {
   add({"of walks", "analog for lobes, next-event for furnaces and for truth at points",
        "analog counts every cell at the price of one; a furnace needs an estimate apart from the "
        "ledger"});
+  if (!stack.grains() && !stack.has_grid())
+    add({"by time", "with --time or --target-error whichever is cheaper for the same error",
+         to_text(pilot(stack, plan, direction_from_degrees(30, 0), CellGrid{}, options)) +
+             ", on 16x32 cells from theta_i 30"});
   std::string names;
   for (const ModelInfo& info : models())
     if (info.applies_to && info.applies_to(stack)) names += (names.empty() ? "" : ", ") + info.name;

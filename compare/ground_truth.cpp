@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compare/pilot.h"
 #include "volume/deterministic_run.h"
 
 namespace lamella {
@@ -39,6 +40,13 @@ const EstimatorChoice& GroundTruth::choice() {
   if (choice_) return *choice_;
   catch_interrupts();
   choice_ = choose_estimator(stack_, options_, of_walks_);
+  // A number of walks is an effort by itself; where time or error is, the cheaper walks win.
+  if (options_.estimator == "auto" && !choice_->solution && of_walks_ == Estimator::analog &&
+      (options_.seconds || options_.target_error)) {
+    const Pilot found = pilot(stack_, plan_, directions_[directions_.size() / 2], grid_, options_);
+    choice_->estimator = found.best;
+    choice_->reason += "; " + to_text(found);
+  }
   if (choice_->solution) {
     for (const std::string& option : options_.walk_options)
       if (option != "--time")
