@@ -76,7 +76,8 @@ using ReportRow = std::function<void(BenchmarkRow)>;
 /// one thread.
 void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
-/// Seconds to 1 % standard error of lobes, by estimator, one thread.
+/// Seconds to 1 % standard error of lobes, and to 0.1 % and 0.01 % of those of all orders, by
+/// estimator and by the solver, one thread.
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// Cost per value of the reflected lobe against its error, on the stacks of the walk rows: each
@@ -94,6 +95,11 @@ void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const Repor
 
 /// One thread against the calling thread's task arena.
 void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// How the cost of a walk grows with layers, optical depth, cells, directions and falling
+/// absorption: seconds per walk, and the exponent from one size to the next; one thread.
+void measure_growth_of_walks(const BenchmarkEffort& effort, std::uint64_t seed,
+                             const ReportRow& report);
 
 /// Walks through a sparse and a dense density grid, against one majorant, a majorant per block, and
 /// fixed steps: time x variance, one thread.

@@ -52,12 +52,16 @@ struct BenchPart {
   std::function<void(const BenchmarkEffort&, std::uint64_t seed, const ReportRow&)> measure;
 };
 const std::vector<BenchPart>& parts() {
-  static const std::vector<BenchPart> list{
-      {"walks", measure_walks},          {"plan", measure_plan},
-      {"threads", measure_threads},      {"accuracy", measure_accuracy},
-      {"solver", measure_deterministic}, {"grids", measure_grids},
-      {"models", measure_models},        {"tradeoff", measure_tradeoff},
-      {"grains", measure_grain_tracing}};
+  static const std::vector<BenchPart> list{{"walks", measure_walks},
+                                           {"plan", measure_plan},
+                                           {"threads", measure_threads},
+                                           {"accuracy", measure_accuracy},
+                                           {"growth", measure_growth_of_walks},
+                                           {"solver", measure_deterministic},
+                                           {"grids", measure_grids},
+                                           {"models", measure_models},
+                                           {"tradeoff", measure_tradeoff},
+                                           {"grains", measure_grain_tracing}};
   return list;
 }
 
