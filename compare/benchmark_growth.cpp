@@ -33,7 +33,7 @@ struct Growing {
     for (const double size : sizes) {
       const std::unique_ptr<Simulation> simulation = make(size);
       const double seconds = seconds_per_walk(*simulation);
-      BenchmarkRow row{.what = fmt::format("growth/{} {:g}", what, size), .kind = "walk"};
+      BenchmarkRow row{.what = fmt::format("growth of walks/{} {:g}", what, size), .kind = "walk"};
       row.seconds = seconds;
       row.collisions_per_second_per_core = static_cast<double>(simulation->collisions()) /
                                            (seconds * static_cast<double>(simulation->walks()));
