@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDeepest = 1e4;  // a place in the bulk is rounded to 1e-3 of a mean free path
 constexpr double kNarrowestSggx = 0.02;  // smallest diagonal entry of A, over the largest
-constexpr double kNarrowestHg = 0.99;
+constexpr double kNarrowestHg = 0.97;    // at 0.99 thin layers are off by 5e-5
 constexpr double kMostGrazingPoint = 1e-4;
 constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
 constexpr double kDeepestFromBehind = 100;

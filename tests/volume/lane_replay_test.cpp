@@ -31,7 +31,7 @@ std::vector<std::string> replayed_stacks() {
         "medium = 'sggx'\nmatrix = [0.5, 0.3, 0.8, 0.1, -0.2, 0.15]\nf0 = 0.04",
         "medium = 'vmf_flake'\nroughness = 1", "medium = 'vmf_flake'\nalpha = 0.2",
         "medium = 'vmf_flake'\nroughness = 0.5\nflake = 'mirror'", "medium = 'lambert_sphere'",
-        "medium = 'henyey_greenstein'\ng = 0.99", "medium = 'henyey_greenstein'\ng = -0.99"})
+        "medium = 'henyey_greenstein'\ng = 0.97", "medium = 'henyey_greenstein'\ng = -0.97"})
     for (const char* thickness : {"1e-9", "1", "1e4", "inf"})
       list.push_back(layer(std::string(medium) + "\nalbedo = 0.95\nthickness = " + thickness));
   std::string sixteen;
