@@ -1,5 +1,6 @@
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -131,12 +132,17 @@ void measure_models(const BenchmarkEffort& effort, std::uint64_t seed, const Rep
   const Stack stack = load_stack(std::string(kDefaultStack));
   std::map<std::string, JudgedClosedForm> judged;
   tbb::task_arena one(1);
-  for (const BenchmarkStack& entry : benchmark_stacks())
+  for (const BenchmarkStack& entry : benchmark_stacks()) {
+    const Stack claimed = load_stack(entry.name);
+    const auto is_new = [&](const BoundModel& b) { return !judged.contains(b.info->name); };
+    const std::vector<BoundModel> claimants = models_for(Options{}, claimed);
+    if (std::none_of(claimants.begin(), claimants.end(), is_new)) continue;
     for (JudgedClosedForm& form :
-         one.execute([&] { return judged_closed_forms(load_stack(entry.name), effort, seed); })) {
+         one.execute([&] { return judged_closed_forms(claimed, effort, seed); })) {
       const std::string name = form.bound.info->name;
       judged.try_emplace(name, std::move(form));
     }
+  }
   for (const ModelInfo& info : models()) {
     const auto found = judged.find(info.name);
     BoundModel made;
