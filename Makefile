@@ -27,7 +27,7 @@ test: install-test-packages release
 	ctest --preset release
 	cmake --preset asan $(LAUNCHER)
 	cmake --build build/asan --target test_phase test_volume stack_fuzz
-	ctest --test-dir build/asan --output-on-failure -j2 -R '^($(SANITIZED))'
+	ctest --test-dir build/asan --output-on-failure -j2 -R '(^|/)($(SANITIZED))'
 
 bench: release
 	./build/release/lamella bench
