@@ -99,7 +99,7 @@ struct EndedWalks {
       for (int channel = 0; channel < t.channels; ++channel) {
         std::int64_t* weights =
             sums.weights + channel * kWalkEnds * static_cast<int>(kRouletteOrder + 1);
-        std::int64_t* in_cells = sums.cells + channel * nowhere;
+        const int first_cell = channel * nowhere;
         for (int j = 0; j < n; ++j) {
           const std::int64_t w =
               C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][k + j] * 0x1p32f)
@@ -108,8 +108,9 @@ struct EndedWalks {
           weights[place[j]] += w;
           // The place beyond all channels' is nobody's.
           if (cells)
-            (target[j] == static_cast<std::uint32_t>(nowhere) ? sums.cells[t.channels * nowhere]
-                                                              : in_cells[target[j]]) += w;
+            sums.cells[target[j] == static_cast<std::uint32_t>(nowhere)
+                           ? t.channels * nowhere
+                           : first_cell + static_cast<int>(target[j])] += w;
         }
       }
     }
