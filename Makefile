@@ -7,7 +7,7 @@ TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jso
   clang libclang-rt-14-dev chromium
 # Node.js with npm, wherever it comes from.
 TEST_PACKAGES += $(if $(shell command -v npm),,nodejs npm)
-FORMAT_PACKAGES := clang-format clang-tidy
+FORMAT_PACKAGES := clang clang-format clang-tidy
 
 # The quick subset that `make test` also runs with sanitizers; `make asan` runs everything.
 SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
@@ -48,14 +48,17 @@ soak: install-test-packages release
 	  -artifact_prefix=build/asan/ build/asan/fuzz-corpus
 
 release: install-build-packages
-	cmake --preset release $(LAUNCHER) -DLAMELLA_TESTS=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF)
+	cmake --preset release $(LAUNCHER) -DLAMELLA_TESTS=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF) \
+	  -DLAMELLA_TEST_TIMEOUT=$(if $(filter soak,$(MAKECMDGOALS)),14400,)
 	cmake --build --preset release
 
 format: install-format-packages
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i
 
-tidy: install-format-packages release
-	git ls-files '*.cpp' | grep -v '^tests/' | xargs clang-tidy --quiet -p build/release
+# Precompiled headers of gcc are no input for it, so it has a configuration of its own.
+tidy: install-build-packages install-format-packages
+	cmake --preset tidy
+	git ls-files '*.cpp' | grep -v '^tests/' | xargs -P 2 -n 4 clang-tidy --quiet -p build/tidy
 
 install-build-packages: NEEDED := $(BUILD_PACKAGES)
 install-test-packages: NEEDED := $(TEST_PACKAGES)

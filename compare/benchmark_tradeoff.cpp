@@ -42,10 +42,12 @@ BenchmarkRow row_of(const std::string& stack, const std::string& method, const c
 }
 
 // One estimator at numbers of walks four times apart.
-void measure_estimator(const Stack& stack, Estimator estimator, double seconds, std::uint64_t seed,
-                       const ReportRow& report) {
+void measure_estimator(const Stack& stack, Isa isa, Estimator estimator, double seconds,
+                       std::uint64_t seed, const ReportRow& report) {
   const CellGrid grid{};
-  Simulation simulation(stack, make_plan(stack), benchmark_incident(), estimator, grid, seed);
+  Plan plan = make_plan(stack);
+  plan.isa = isa;
+  Simulation simulation(stack, plan, benchmark_incident(), estimator, grid, seed);
   const int cells = simulation.targets().grid.cells();
   double taken = 0;
   for (std::uint64_t walks = kFewestWalksPerBatch * kBatches; taken < seconds; walks *= 4) {
@@ -99,7 +101,8 @@ void measure_solver(const Stack& stack, double seconds, const ReportRow& report)
 
 // What closed forms are judged by: the solver where it is exact soon enough, else a long walk.
 Truth truth_of(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t seed) {
-  const Plan plan = make_plan(stack);
+  Plan plan = make_plan(stack);
+  plan.isa = effort.isa;
   Truth truth;
   if (!why_not_deterministic(stack)) {
     truth.run = solved(stack, kTruthTolerance, kTruthFactor * effort.accuracy_seconds);
@@ -169,7 +172,7 @@ void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const R
     const Stack stack = load_stack(entry.name);
     one.execute([&] {
       for (const Estimator estimator : {Estimator::analog, Estimator::next_event})
-        measure_estimator(stack, estimator, effort.accuracy_seconds, seed, report);
+        measure_estimator(stack, effort.isa, estimator, effort.accuracy_seconds, seed, report);
       measure_solver(stack, kTruthFactor * effort.accuracy_seconds, report);
       measure_closed_forms(stack, effort, seed, report);
     });

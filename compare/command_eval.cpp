@@ -186,7 +186,7 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
   } else {
     catch_interrupts();
     truth = truth_at(*stack, pairs.pairs, with_seed.walks, options.max_order, with_seed.seed,
-                     &interrupted);
+                     isa_of(options), &interrupted);
   }
   for (const TruthValue& v : truth) {
     answer.f.push_back(v.f);

@@ -112,6 +112,7 @@ int homogenise_command(const Options& options) {
     const Stack layers = homogenised(stack, grids);
     Plan layer_plan = make_plan(layers, options.max_order);
     // The same cells and channels as the grid's.
+    layer_plan.isa = isa_of(options);
     layer_plan.folded = false;
     layer_plan.channels = grid_plan.channels;
     Json contrasts = Json::array();

@@ -24,8 +24,8 @@ double mean_energy(const std::vector<double>& lobe) {
 }
 
 RunResult walked(const Stack& stack, const RunResult& like, const Options& options) {
-  Simulation simulation(stack, make_plan(stack, options.max_order), like.incident,
-                        Estimator::analog, like.grid, options.seed + 1);
+  Simulation simulation(stack, plan_of(options, stack), like.incident, Estimator::analog, like.grid,
+                        options.seed + 1);
   run(simulation, {.walks = kMoreWalks * like.walks, .target_error = {}, .seconds = {}}, {},
       &interrupted);
   return reduce(simulation);

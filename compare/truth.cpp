@@ -25,7 +25,7 @@ double relative_azimuth(Direction wi, Direction wo) {
 
 std::vector<TruthValue> truth_at(const Stack& stack, const std::vector<DirectionPair>& pairs,
                                  std::uint64_t walks, std::uint64_t max_order, std::uint64_t seed,
-                                 const std::atomic<bool>* interrupted) {
+                                 Isa isa, const std::atomic<bool>* interrupted) {
   struct Point {
     std::size_t pair;
     Direction wo;
@@ -52,7 +52,8 @@ std::vector<TruthValue> truth_at(const Stack& stack, const std::vector<Direction
     }
     by_incident[key(wi)].push_back({k, wo, factor});
   }
-  const Plan plan = make_plan(stack, max_order);
+  Plan plan = make_plan(stack, max_order);
+  plan.isa = isa;
   for (auto& [incident, points] : by_incident) {
     std::stable_partition(points.begin(), points.end(), [](const Point& p) { return p.wo.z > 0; });
     std::vector<Direction> directions;

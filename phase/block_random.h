@@ -1,13 +1,44 @@
 #pragma once
 
 #include "phase/real.h"
+#include "phase/trigonometry.h"
 
 namespace lamella {
 
-/// The random words of one event, per lane (phase/lane_random.h) or for one walk.
+/// Four random words, per lane (phase/lane_random.h) or for one walk.
 template <class Words>
 struct WordBlock {
   Words w[4];
+};
+
+LAMELLA_INLINE std::uint32_t rotate_left(std::uint32_t a, int n) { return a << n | a >> (32 - n); }
+template <int n>
+LAMELLA_INLINE std::uint32_t rotate_left(std::uint32_t a) {
+  return rotate_left(a, n);
+}
+
+/// The numbers of one walk: xoshiro128++ (Blackman and Vigna 2021, "Scrambled linear pseudorandom
+/// number generators"), its state a block of the counter-based generator. A third of what that
+/// generator itself costs per word, and yet the numbers of a walk are those of (seed, walk).
+template <class Words>
+struct WalkNumbers {
+  Words s[4];
+
+  WalkNumbers() = default;
+  LAMELLA_INLINE explicit WalkNumbers(const WordBlock<Words>& from)
+      : s{from.w[0], from.w[1], from.w[2], from.w[3]} {}
+
+  LAMELLA_INLINE Words next() {
+    const Words result = rotate_left<7>(s[0] + s[3]) + s[0];
+    const Words t = shift_left<9>(s[1]);
+    s[2] = s[2] ^ s[0];
+    s[3] = s[3] ^ s[1];
+    s[1] = s[1] ^ s[2];
+    s[0] = s[0] ^ s[3];
+    s[2] = s[2] ^ t;
+    s[3] = rotate_left<11>(s[3]);
+    return result;
+  }
 };
 
 // The same numbers as phase/lane_random.h draws from words, in double and hence without rounding.
@@ -15,12 +46,22 @@ struct WordBlock {
 /// Uniform in (0, 1), an odd multiple of 2^-24, from the upper 23 bits of a word.
 LAMELLA_INLINE double uniform_of(std::uint32_t bits) { return ((bits >> 9) + 0.5) * 0x1p-23; }
 
-/// Uniform like uniform_of from the nine bits of each of three words that it leaves.
-LAMELLA_INLINE double uniform_of_rest(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  return (((a & 511u) | (b & 511u) << 9 | (c & 31u) << 18) + 0.5) * 0x1p-23;
+/// Uniform in [-1, 1), from all bits of a word.
+LAMELLA_INLINE double signed_uniform_of(std::uint32_t bits) {
+  return static_cast<std::int32_t>(bits) * 0x1p-31;
 }
 
-/// Uniform in (0, 1], to all 32 bits of a word.
-LAMELLA_INLINE double fine_uniform_of(std::uint32_t bits) { return (bits + 0.5) * 0x1p-32; }
+/// Sine and cosine of pi signed_uniform_of(bits).
+LAMELLA_INLINE SineCosine<double> azimuth_of(std::uint32_t bits) {
+  return sine_cosine_of_half_turns(signed_uniform_of(bits));
+}
+
+/// Uniform in (0, 1], from the upper 31 bits of a word.
+LAMELLA_INLINE double fine_uniform_of(std::uint32_t bits) { return ((bits >> 1) + 0.5) * 0x1p-31; }
+
+/// An exponential number of mean 1, -log of fine_uniform_of: at most 22.2.
+LAMELLA_INLINE double exponential_of(std::uint32_t bits) {
+  return -std::log(fine_uniform_of(bits));
+}
 
 }  // namespace lamella

@@ -17,16 +17,20 @@ template <class Real>
   return divide((Real(1) - g) * (Real(1) + g), Real(4 * kPi) * base * sqrt(base));
 }
 
-/// Exact sample of the deflection cosine from a uniform in (0, 1): the inverse of the cumulative
+/// Exact sample of the deflection cosine from a uniform x in [-1, 1]: the inverse of the cumulative
 /// distribution, written so that g -> 0 needs no special case and rounding keeps it in [-1, 1].
 template <class Real>
-[[nodiscard, gnu::always_inline]] inline Real henyey_greenstein_cosine(Real g, Real u) {
-  const Real x = multiply_add(Real(2), u, Real(-1));
+[[nodiscard, gnu::always_inline]] inline Real henyey_greenstein_cosine_signed(Real g, Real x) {
   // (1 + g^2 - ((1 - g^2) / (1 + g x))^2) / (2 g), with the division by g carried out
-  const Real d = multiply_add(g, x, Real(1));
-  return divide(multiply_add(x, Real(1) + g * g,
-                             g * Real(0.5) * (x * x + Real(3) + g * g * (x * x - Real(1)))),
-                d * d);
+  const Real d = multiply_add(g, x, Real(1)), g2 = g * g;
+  const Real most = Real(1) + g2, half = Real(0.5) * g;
+  return divide(multiply_add(x, multiply_add(x, half * most, most), half * (Real(3) - g2)), d * d);
+}
+
+/// Likewise from a uniform in (0, 1).
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Real henyey_greenstein_cosine(Real g, Real u) {
+  return henyey_greenstein_cosine_signed(g, multiply_add(Real(2), u, Real(-1)));
 }
 
 }  // namespace lamella

@@ -53,4 +53,18 @@ template <class Real>
   return sqrt((Real(1) - u1) * (Real(1) - u2)) * (Real(2) * s * c) - sqrt(u1 * u2);
 }
 
+/// Exact sample of -w_o, w_o the direction that a white Lambertian sphere sends the light from w_i
+/// to: a normal among those that face w_i, by their projected area, and a direction about it by
+/// Lambert's law. Both are sums of a unit vector and a uniform point of the sphere (s1, s2), of
+/// which the first need not be normalised. Where the sums vanish so does the result, finite.
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> away_from_lambert_sphere(Vec3<Real> wi,
+                                                                             Vec3<Real> s1,
+                                                                             Vec3<Real> s2) {
+  using std::sqrt;
+  const Vec3<Real> normal = wi + s1;
+  const Vec3<Real> v = normal + sqrt(dot(normal, normal)) * s2;
+  return -reciprocal_sqrt(max(dot(v, v), Real(1e-30))) * v;
+}
+
 }  // namespace lamella

@@ -131,6 +131,11 @@ LAMELLA_INLINE Words shift_left(Words a) {
   return hn::ShiftLeft<n>(a.v);
 }
 
+template <int n>
+LAMELLA_INLINE Words rotate_left(Words a) {
+  return hn::RotateRight<32 - n>(a.v);
+}
+
 LAMELLA_INLINE FloatMask to_float_mask(WordMask a) {
   return {hn::RebindMask(FloatMask::Tag(), a.m)};
 }
@@ -143,9 +148,26 @@ LAMELLA_INLINE Floats from_bits(Words a) { return hn::BitCast(Floats::Tag(), a.v
 LAMELLA_INLINE Floats to_floats(Words a) {
   return hn::ConvertTo(Floats::Tag(), hn::BitCast(hn::ScalableTag<std::int32_t>(), a.v));
 }
-/// Rounded towards 0; below 2^31 in size, negative numbers as two's complement.
+/// Rounded towards 0; below 2^31 in size, negative numbers as two's complement. (Highway's
+/// conversions take four more instructions to saturate.)
 LAMELLA_INLINE Words to_words(Floats a) {
-  return hn::BitCast(Words::Tag(), hn::ConvertTo(hn::ScalableTag<std::int32_t>(), a.v));
+#if HWY_TARGET == HWY_AVX3
+  return hn::Vec<Words::Tag>{_mm512_cvttps_epi32(a.v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return hn::Vec<Words::Tag>{_mm256_cvttps_epi32(a.v.raw)};
+#else
+  return hn::Vec<Words::Tag>{_mm_cvttps_epi32(a.v.raw)};
+#endif
+}
+/// Likewise, rounded to nearest.
+LAMELLA_INLINE Words to_nearest_words(Floats a) {
+#if HWY_TARGET == HWY_AVX3
+  return hn::Vec<Words::Tag>{_mm512_cvtps_epi32(a.v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return hn::Vec<Words::Tag>{_mm256_cvtps_epi32(a.v.raw)};
+#else
+  return hn::Vec<Words::Tag>{_mm_cvtps_epi32(a.v.raw)};
+#endif
 }
 
 template <class T>
@@ -170,32 +192,50 @@ LAMELLA_INLINE Mask<T> first_lanes(int n) {
   return {hn::FirstN(typename Mask<T>::Tag(), static_cast<std::size_t>(n))};
 }
 
+/// Lane k is lane index[k] of a.
+template <class T>
+LAMELLA_INLINE Lane<T> permute(Lane<T> a, Words index) {
+  const typename Lane<T>::Tag d;
+  return hn::TableLookupLanes(
+      a.v, hn::IndicesFromVec(d, hn::BitCast(hn::ScalableTag<std::int32_t>(), index.v)));
+}
+
+#if HWY_TARGET != HWY_AVX3
+namespace detail {
+// For each set of lanes: how many of them are below each lane, and which they are. Highway's own
+// Compress copies its table to the stack at every use.
+struct LaneTables {
+  std::uint8_t rank[1 << Floats::kCount][8], chosen[1 << Floats::kCount][8];
+};
+constexpr LaneTables make_tables() {
+  LaneTables table{};
+  for (int b = 0; b < 1 << Floats::kCount; ++b)
+    for (int k = 0, rank = 0; k < Floats::kCount; ++k) {
+      table.rank[b][k] = static_cast<std::uint8_t>(rank);
+      if ((b >> k) & 1) table.chosen[b][rank++] = static_cast<std::uint8_t>(k);
+    }
+  return table;
+}
+inline constexpr LaneTables kTables = make_tables();
+
+LAMELLA_INLINE Words words_from(const std::uint8_t* bytes) {
+  const hn::Rebind<std::uint8_t, Words::Tag> d;
+  return hn::PromoteTo(Words::Tag(), hn::LoadU(d, bytes));
+}
+}  // namespace detail
+#endif
+
 /// Stores the lanes where the condition holds, one after the other; writes all kCount places. The
 /// caller counts.
 template <class T, class M>
 LAMELLA_INLINE void store_compressed(Lane<T> a, Mask<M> condition, T* to) {
+#if HWY_TARGET == HWY_AVX3
   const auto mask = hn::RebindMask(typename Lane<T>::Tag(), condition.m);
   hn::StoreU(hn::Compress(a.v, mask), typename Lane<T>::Tag(), to);
-}
-
-namespace detail {
-#if HWY_TARGET != HWY_AVX3
-// Row b: how many bits of b are set below each bit, four bits at a time.
-struct RankTable {
-  std::uint8_t row[1 << 4][4];
-};
-constexpr RankTable make_ranks() {
-  RankTable table{};
-  for (int b = 0; b < 1 << 4; ++b)
-    for (int k = 0, rank = 0; k < 4; ++k) {
-      table.row[b][k] = static_cast<std::uint8_t>(rank);
-      rank += (b >> k) & 1;
-    }
-  return table;
-}
-inline constexpr RankTable kRanks = make_ranks();
+#else
+  permute(a, detail::words_from(detail::kTables.chosen[mask_bits(condition)])).store(to);
 #endif
-}  // namespace detail
+}
 
 /// For the lanes where the condition holds: 0 for the first of them, 1 for the next, ...; for the
 /// others any number below kCount.
@@ -205,27 +245,8 @@ LAMELLA_INLINE Words rank_of(Mask<T> a) {
   return hn::Vec<Words::Tag>{
       _mm512_maskz_expand_epi32(static_cast<__mmask16>(a.m.raw), Words::iota().v.raw)};
 #else
-  alignas(32) std::uint8_t ranks[8] = {};
-  const std::uint32_t bits = mask_bits(a);
-  __builtin_memcpy(ranks, detail::kRanks.row[bits & 15], 4);
-  if constexpr (Words::kCount > 4) {
-    std::uint32_t upper = 0;
-    __builtin_memcpy(&upper, detail::kRanks.row[(bits >> 4) & 15], 4);
-    upper += 0x01010101u * static_cast<std::uint32_t>(__builtin_popcount(bits & 15));
-    upper &= 0x07070707u;
-    __builtin_memcpy(ranks + 4, &upper, 4);
-  }
-  const hn::Rebind<std::uint8_t, Words::Tag> bytes;
-  return hn::PromoteTo(Words::Tag(), hn::LoadU(bytes, ranks));
+  return detail::words_from(detail::kTables.rank[mask_bits(a)]);
 #endif
-}
-
-/// Lane k is lane index[k] of a.
-template <class T>
-LAMELLA_INLINE Lane<T> permute(Lane<T> a, Words index) {
-  const typename Lane<T>::Tag d;
-  return hn::TableLookupLanes(
-      a.v, hn::IndicesFromVec(d, hn::BitCast(hn::ScalableTag<std::int32_t>(), index.v)));
 }
 
 /// The names that formulas for any number type use, see phase/real.h.

@@ -104,6 +104,10 @@ template <int n>
 LAMELLA_INLINE std::uint32_t shift_left(std::uint32_t a) {
   return a << n;
 }
+template <int n>
+LAMELLA_INLINE std::uint32_t shift_right(std::uint32_t a) {
+  return a >> n;
+}
 
 /// table[index] of 16 numbers; of the index its last four bits count.
 LAMELLA_INLINE double lookup(const double* table, std::uint32_t index) { return table[index & 15]; }

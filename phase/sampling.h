@@ -15,6 +15,14 @@ template <class Real>
   return {r * cosine, r * sine, z};
 }
 
+/// Likewise from a uniform in [-1, 1] and an azimuth.
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> sphere_point(Real z, SineCosine<Real> azimuth) {
+  using std::sqrt;
+  const Real r = sqrt(multiply_add(-z, z, Real(1)));
+  return {r * azimuth.cosine, r * azimuth.sine, z};
+}
+
 /// Direction about the unit vector n with density cos / pi: the normalised sum of n and a uniform
 /// point of the sphere (Lambert's law needs no frame). At the antipode itself, n.
 template <class Real>
@@ -25,14 +33,26 @@ template <class Real>
   return select(l2 > Real(0), reciprocal_sqrt(l2) * v, n);
 }
 
-/// The direction that makes the given cosine with the unit vector axis, at azimuth 2 pi u.
+/// The direction that makes the given cosine with the unit vector axis, in the frame of
+/// frame_around(axis) at the azimuth with that sine and cosine.
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine,
+                                                            SineCosine<Real> azimuth) {
+  using std::copysign, std::sqrt;
+  const Real s = sqrt(nonnegative(multiply_add(-cosine, cosine, Real(1))));
+  // The frame's vectors times the local coordinates, multiplied out.
+  const Real sign = copysign(Real(1), axis.z);
+  const Real x = s * azimuth.cosine, y = s * azimuth.sine;
+  const Real flat = multiply_add(sign * x, axis.x, y * axis.y);
+  const Real along = cosine - flat * reciprocal(sign + axis.z);
+  return renormalized(Vec3<Real>{multiply_add(axis.x, along, x),
+                                 multiply_add(axis.y, along, sign * y), cosine * axis.z - flat});
+}
+
+/// Likewise at azimuth 2 pi u.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine, Real u) {
-  using std::sqrt;
-  const Real s = sqrt(nonnegative((Real(1) - cosine) * (Real(1) + cosine)));
-  const auto [sin_phi, cos_phi] = sine_cosine_of_turns(u);
-  const Frame<Real> frame = frame_around(axis);
-  return renormalized(frame.to_world({s * cos_phi, s * sin_phi, cosine}));
+  return deflect(axis, cosine, sine_cosine_of_turns(u));
 }
 
 /// w mirrored at the plane with unit normal m: 2 (w.m) m - w, renormalised so that errors do not

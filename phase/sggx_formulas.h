@@ -66,4 +66,23 @@ template <class Real>
   return normalized(a.apply(select(dot(u, u) > Real(0), u, v)));
 }
 
+/// Along such a normal, of any length, from a uniform point of the sphere. A: SggxMatrix or
+/// another that has its members.
+template <class Real, class A>
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> along_visible_normal(const A& a, Vec3<Real> w,
+                                                                         Vec3<Real> point) {
+  const Vec3<Real> v = a.apply_transposed(w);
+  return a.apply(v + length(v) * point);
+}
+
+/// A = diag(across, across, along): flakes whose axis is vertical.
+template <class Real>
+struct UprightSggxMatrix {
+  Real across, along;
+  [[nodiscard]] LAMELLA_INLINE Vec3<Real> apply(Vec3<Real> u) const {
+    return {across * u.x, across * u.y, along * u.z};
+  }
+  [[nodiscard]] LAMELLA_INLINE Vec3<Real> apply_transposed(Vec3<Real> w) const { return apply(w); }
+};
+
 }  // namespace lamella

@@ -29,15 +29,22 @@ template <class Real>
   return {x + x * z * s, Real(1) - Real(0.5) * z + z * z * c};
 }
 
-/// Sine and cosine of 2 pi u, u in [0, 1]: a quarter of the angle, doubled twice, so that there are
+/// Sine and cosine of pi u, u in [-1, 1]: a quarter of the angle, doubled twice, so that there are
 /// no quadrants to tell apart. Absolute error below 2e-15 in double.
 template <class Real>
-[[nodiscard]] inline SineCosine<Real> sine_cosine_of_turns(Real u) {
-  const auto [s1, c1] = sine_cosine_near_zero((u - Real(0.5)) * Real(std::numbers::pi / 2));
+[[nodiscard]] inline SineCosine<Real> sine_cosine_of_half_turns(Real u) {
+  const auto [s1, c1] = sine_cosine_near_zero(u * Real(std::numbers::pi / 4));
   const Real s2 = Real(2) * s1 * c1;
   const Real c2 = Real(1) - Real(2) * s1 * s1;
+  return {Real(2) * s2 * c2, Real(1) - Real(2) * s2 * s2};
+}
+
+/// Sine and cosine of 2 pi u, u in [0, 1].
+template <class Real>
+[[nodiscard]] inline SineCosine<Real> sine_cosine_of_turns(Real u) {
   // The angle is 2 pi u - pi: both change their sign.
-  return {Real(-2) * s2 * c2, Real(2) * s2 * s2 - Real(1)};
+  const auto [s, c] = sine_cosine_of_half_turns(Real(2) * (u - Real(0.5)));
+  return {-s, -c};
 }
 
 }  // namespace lamella

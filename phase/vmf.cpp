@@ -331,7 +331,7 @@ Direction Vmf::normal_by_mixture(Direction wi, double u, RandomStream& stream) c
     const double below = !is_axial ? tangential_complement(kappa_, stream)
                          : u < 0   ? 1 + decaying_cosine(kappa_, stream)
                                    : axial_complement(kappa_, stream);
-    const Direction m = proposed_normal(is_axial, below, stream.uniform());
+    const Direction m = proposed_normal(is_axial, below, 2 * stream.uniform() - 1);
     if (takes_visible_normal(u, s, m, stream.uniform()))
       return renormalized(m.x * tangent + m.y * binormal + m.z * axis_);
   }

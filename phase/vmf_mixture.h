@@ -34,16 +34,17 @@ template <class Real>
   return uniform * bound < projected;
 }
 
-/// A proposal's normal in the frame (tangent, binormal, axis) from 1 - z and a uniform number: the
-/// axial one turns it all around, the tangential one by the cosine law towards the tangent.
+/// A proposal's normal in the frame (tangent, binormal, axis) from 1 - z and a uniform number in
+/// [-1, 1]: the axial one turns it all around, the tangential one by the cosine law towards the
+/// tangent.
 template <class Real, class Mask>
 [[nodiscard]] LAMELLA_INLINE Vec3<Real> proposed_normal(Mask is_axial, Real below, Real uniform) {
   using std::sqrt;
   const Real r = sqrt(nonnegative(below * (Real(2) - below)));
-  const auto [sine, cosine] = sine_cosine_of_turns(uniform);
-  const Real flat = multiply_add(Real(2), uniform, Real(-1));
-  const Real across = sqrt(nonnegative((Real(1) - flat) * (Real(1) + flat)));
-  return {r * select(is_axial, cosine, across), r * select(is_axial, sine, flat), Real(1) - below};
+  const auto [sine, cosine] = sine_cosine_of_half_turns(uniform);
+  const Real across = sqrt(nonnegative(Real(1) - uniform * uniform));
+  return {r * select(is_axial, cosine, across), r * select(is_axial, sine, uniform),
+          Real(1) - below};
 }
 
 }  // namespace lamella

@@ -5,11 +5,11 @@
 //   kNull: whether `collide` may refuse (a null collision, flight being by a majorant of sigma);
 //   kDiffuse: whether a flake reflects by Lambert's law, its normal drawn by `collide`;
 //   kMirror: whether Schlick's factor may apply to it;
+//   kWords: words that an event takes, the free flight's first one among them;
 //   inverse_area(w): 1 / sigma(w), or of its majorant;
 //   collide(wi, words): the event, with `accepted` where kNull;
-//   sample(event, words): w_o, and the cosine with the mirror's normal;
+//   sample(event, words): the next w_i, which is -w_o, and the cosine with the mirror's normal;
 //   density(event, w_o): p, or its estimate given the event.
-// words[0].w[0] is left for the free flight, words[1].w[3] for the roulette.
 
 #include "phase/block_random.h"
 #include "phase/henyey_greenstein_formulas.h"
@@ -35,9 +35,25 @@ template <class Real>
 
 template <class Real>
 struct LaneScatter {
-  Vec3<Real> wo;
-  Real cosine;  ///< of w_o with the normal of a mirror
+  Vec3<Real> next;  ///< w_i of the next event
+  Real cosine;      ///< of w_o with the normal of a mirror
 };
+
+/// Words that an event of any medium takes, and the place of the roulette's behind them.
+inline constexpr int kMediumWords = 7, kRouletteWord = kMediumWords, kEventWords = 8;
+
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE Vec3<Real> sphere_point_of(const WordsOf<Real>* words) {
+  return sphere_point<Real>(signed_uniform_of(words[0]), azimuth_of(words[1]));
+}
+
+/// -w_o where a flake reflects by Lambert's law: w_o along n and a uniform point of the sphere.
+/// Where these cancel so does the result: a walk that stands still until its next event.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE Vec3<Real> next_by_lambert(Vec3<Real> n, const WordsOf<Real>* words) {
+  const Vec3<Real> v = n + sphere_point_of<Real>(words);
+  return -reciprocal_sqrt(max(dot(v, v), Real(1e-30))) * v;
+}
 
 /// The cosine of two directions with the normal that mirrors one into the other.
 template <class Real>
@@ -49,9 +65,8 @@ template <class Real>
 template <class Real>
 struct ParticleOnLanes {
   static constexpr bool kNull = false, kDiffuse = false, kMirror = false;
-  using Block = WordBlock<WordsOf<Real>>;
   LAMELLA_INLINE Real inverse_area(Vec3<Real>) const { return Real(1); }
-  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const Block*) const {
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
     return {wi, wi, Real(1), every_lane<Real>()};
   }
 };
@@ -59,13 +74,14 @@ struct ParticleOnLanes {
 template <class Real>
 struct LambertSphereOnLanes : ParticleOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::lambert_sphere;
+  static constexpr int kWords = 5;
   template <class Reader>
   LAMELLA_INLINE explicit LambertSphereOnLanes(const Reader&) {}
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>* words) const {
-    const auto* w = words[0].w;
-    const Real cosine = lambert_sphere_cosine(uniform_of(w[1]), uniform_of(w[2]), uniform_of(w[3]));
-    return {deflect(-e.wi, cosine, uniform_of_rest(w[1], w[2], w[3])), Real(1)};
+                                          const WordsOf<Real>* words) const {
+    return {away_from_lambert_sphere(e.wi, sphere_point_of<Real>(words + 1),
+                                     sphere_point_of<Real>(words + 3)),
+            Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_sphere_phase(-dot(e.wi, wo));
@@ -75,53 +91,71 @@ struct LambertSphereOnLanes : ParticleOnLanes<Real> {
 template <class Real>
 struct HenyeyGreensteinOnLanes : ParticleOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::henyey_greenstein;
+  static constexpr int kWords = 3;
   Real g;
   template <class Reader>
   LAMELLA_INLINE explicit HenyeyGreensteinOnLanes(const Reader& n) : g(n(kG)) {}
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>* words) const {
-    const auto* w = words[0].w;
-    return {deflect(-e.wi, henyey_greenstein_cosine(g, uniform_of(w[1])), uniform_of(w[2])),
-            Real(1)};
+                                          const WordsOf<Real>* words) const {
+    const Real cosine = henyey_greenstein_cosine_signed<Real>(g, signed_uniform_of(words[1]));
+    return {deflect(e.wi, cosine, azimuth_of(words[2])), Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return henyey_greenstein_phase(g, -dot(e.wi, wo));
   }
 };
 
-template <class Real>
+template <class Real, class Reader>
+[[nodiscard]] LAMELLA_INLINE SggxMatrix<Real> matrix_of(const Reader& n, int field,
+                                                        const SggxMatrix<Real>*) {
+  return {n(field), n(field + 1), n(field + 2), n(field + 3), n(field + 4), n(field + 5)};
+}
+template <class Real, class Reader>
+[[nodiscard]] LAMELLA_INLINE UprightSggxMatrix<Real> matrix_of(const Reader& n, int field,
+                                                               const UprightSggxMatrix<Real>*) {
+  return {n(field), n(field + 5)};
+}
+
+/// Matrix: SggxMatrix, or UprightSggxMatrix where that is all there is to it.
+template <class Real, template <class> class Matrix>
 struct SggxOnLanes {
   static constexpr bool kNull = false;
-  SggxMatrix<Real> a;
+  Matrix<Real> a;
   template <class Reader>
   LAMELLA_INLINE explicit SggxOnLanes(const Reader& n)
-      : a{n(kA), n(kA + 1), n(kA + 2), n(kA + 3), n(kA + 4), n(kA + 5)} {}
+      : a(matrix_of<Real>(n, kA, static_cast<const Matrix<Real>*>(nullptr))) {}
   LAMELLA_INLINE Real inverse_area(Vec3<Real> w) const {
     const Vec3<Real> v = a.apply_transposed(w);
     return reciprocal_sqrt(dot(v, v));
   }
+  [[nodiscard]] LAMELLA_INLINE Vec3<Real> along_normal(Vec3<Real> wi,
+                                                       const WordsOf<Real>* words) const {
+    return along_visible_normal(a, wi, sphere_point_of<Real>(words));
+  }
 };
 
-template <class Real>
-struct SggxMirrorOnLanes : SggxOnLanes<Real> {
+template <class Real, template <class> class Matrix>
+struct SggxMirrors : SggxOnLanes<Real, Matrix> {
   static constexpr auto kKind = LaneMediumKind::sggx_mirror;
   static constexpr bool kDiffuse = false, kMirror = true;
-  SggxMatrix<Real> inverse;
+  static constexpr int kWords = 3;
+  Matrix<Real> inverse;
   Real density_scale;
   template <class Reader>
-  LAMELLA_INLINE explicit SggxMirrorOnLanes(const Reader& n)
-      : SggxOnLanes<Real>(n),
-        inverse{n(kInverse),     n(kInverse + 1), n(kInverse + 2),
-                n(kInverse + 3), n(kInverse + 4), n(kInverse + 5)},
+  LAMELLA_INLINE explicit SggxMirrors(const Reader& n)
+      : SggxOnLanes<Real, Matrix>(n),
+        inverse(matrix_of<Real>(n, kInverse, static_cast<const Matrix<Real>*>(nullptr))),
         density_scale(n(kDensityScale)) {}
-  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordBlock<WordsOf<Real>>*) const {
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
     return {wi, wi, this->inverse_area(wi), every_lane<Real>()};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>* words) const {
-    const auto* w = words[0].w;
-    const Vec3<Real> m = visible_normal(this->a, e.wi, uniform_of(w[1]), uniform_of(w[2]));
-    return {mirrored(e.wi, m), dot(e.wi, m)};
+                                          const WordsOf<Real>* words) const {
+    const Vec3<Real> m = this->along_normal(e.wi, words + 1);
+    const Real along = dot(e.wi, m), m2 = max(dot(m, m), Real(1e-30));
+    // w_i - 2 (w_i.m) m / m^2 is what w_o points away from
+    return {renormalized(e.wi - (Real(2) * along * reciprocal(m2)) * m),
+            along * reciprocal_sqrt(m2)};
   }
   /// D(h) / (4 sigma(w_i))
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
@@ -136,53 +170,57 @@ template <class Real>
   return nonnegative(dot(e.normal, wo)) * Real(1 / kPi);
 }
 
-template <class Real>
-struct SggxLambertOnLanes : SggxOnLanes<Real> {
+template <class Real, template <class> class Matrix>
+struct SggxLambertians : SggxOnLanes<Real, Matrix> {
   static constexpr auto kKind = LaneMediumKind::sggx_lambert;
   static constexpr bool kDiffuse = true, kMirror = false;
-  using SggxOnLanes<Real>::SggxOnLanes;
-  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi,
-                                         const WordBlock<WordsOf<Real>>* words) const {
-    const auto* w = words[0].w;
-    return {wi, visible_normal(this->a, wi, uniform_of(w[1]), uniform_of(w[2])), Real(1),
-            every_lane<Real>()};
+  static constexpr int kWords = 5;
+  using SggxOnLanes<Real, Matrix>::SggxOnLanes;
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
+    const Vec3<Real> m = this->along_normal(wi, words + 1);
+    return {wi, reciprocal_sqrt(max(dot(m, m), Real(1e-30))) * m, Real(1), every_lane<Real>()};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>* words) const {
-    const auto* w = words[0].w;
-    return {cosine_hemisphere(e.normal, uniform_of(w[3]), uniform_of_rest(w[1], w[2], w[3])),
-            Real(1)};
+                                          const WordsOf<Real>* words) const {
+    return {next_by_lambert(e.normal, words + 3), Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_flake_density(e, wo);
   }
 };
 
-/// vMF flakes: flight by the mixture's majorant, normals from the mixture by tabulated marginals;
-/// the acceptance is sigma over that majorant, at least 0.7 from the front.
+template <class Real>
+using SggxMirrorOnLanes = SggxMirrors<Real, SggxMatrix>;
+template <class Real>
+using SggxLambertOnLanes = SggxLambertians<Real, SggxMatrix>;
+template <class Real>
+using UprightSggxMirrorOnLanes = SggxMirrors<Real, UprightSggxMatrix>;
+template <class Real>
+using UprightSggxLambertOnLanes = SggxLambertians<Real, UprightSggxMatrix>;
+
+/// vMF flakes about a vertical axis: flight by the mixture's majorant, normals from the mixture by
+/// tabulated marginals; the acceptance is sigma over that majorant, at least 0.7 from the front.
 template <class Real>
 struct VmfOnLanes {
   static constexpr bool kNull = true;
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
-  Vec3<Real> axis, tangent_at_pole;
+  Real up;  ///< 1 where the mean normal points up, -1 where down
   VisibleNormalMixture<Real> mixture;
   Words first_piece;
   const float* tables;
   template <class Reader>
   LAMELLA_INLINE explicit VmfOnLanes(const Reader& n)
-      : axis{n(kAxis), n(kAxis + 1), n(kAxis + 2)},
-        tangent_at_pole(frame_around(axis).s),
+      : up(n(kUp)),
         mixture{n(kFront), n(kBack), n(kSide)},
         first_piece(word_of(n(kTable))),
         tables(n.numbers.tables) {}
 
   LAMELLA_INLINE Real inverse_area(Vec3<Real> w) const {
     using std::sqrt;
-    const Real u = dot(w, axis);
-    const Vec3<Real> across = w - u * axis;
+    const Real s = sqrt(multiply_add(w.x, w.x, w.y * w.y));
     // Nothing faces the light that comes straight from behind narrow flakes.
-    return reciprocal(max(mixture.majorant(u, sqrt(dot(across, across))), Real(1e-30)));
+    return reciprocal(max(mixture.majorant(up * w.z, s), Real(1e-30)));
   }
   /// The cubic of a table, x in [0, kMarginalPieces).
   LAMELLA_INLINE Real tabulated(Words table, Real x) const {
@@ -195,32 +233,33 @@ struct VmfOnLanes {
   }
   /// sigma(w), absolute error below 2e-7.
   LAMELLA_INLINE Real sigma(Vec3<Real> w) const {
-    const Real x = multiply_add(dot(w, axis), Real(kMarginalPieces / 2), Real(kMarginalPieces / 2));
+    const Real x = multiply_add(up * w.z, Real(kMarginalPieces / 2), Real(kMarginalPieces / 2));
     return nonnegative(
         tabulated(Words(4u * kMarginalPieces), min(nonnegative(x), Real(kMarginalPieces - 1e-3))));
   }
-  LAMELLA_INLINE LaneEvent<Real> draw(Vec3<Real> wi, const WordBlock<Words>* words) const {
-    using std::exp, std::log, std::sqrt;
-    const Real u = dot(wi, axis);
-    const Vec3<Real> across = wi - u * axis;
-    const Real s2 = dot(across, across), inverse_s = reciprocal_sqrt(max(s2, Real(1e-10)));
-    const Real s = s2 * inverse_s;
-    const Vec3<Real> tangent = select(s2 < Real(1e-10), tangent_at_pole, inverse_s * across);
-    const Mask behind = u < Real(0);
-    const Mask is_axial = uniform_of(words[0].w[1]) * mixture.majorant(u, s) < mixture.axial(u);
+  LAMELLA_INLINE LaneEvent<Real> draw(Vec3<Real> wi, const Words* words) const {
+    using std::cbrt, std::sqrt;
+    const Real u = up * wi.z, s2 = multiply_add(wi.x, wi.x, wi.y * wi.y);
+    const Real inverse_s = reciprocal_sqrt(max(s2, Real(1e-10))), s = s2 * inverse_s;
+    const Mask at_pole = s2 < Real(1e-10), behind = u < Real(0);
+    const Real tangent_x = select(at_pole, Real(1), inverse_s * wi.x);
+    const Real tangent_y = select(at_pole, Real(0), inverse_s * wi.y);
+    const Mask is_axial = uniform_of(words[1]) * mixture.majorant(u, s) < mixture.axial(u);
     // 1 - the cosine with the axis, by cubics in t: t^2 or t^3 of the (folded) uniform number.
-    const Real xi = uniform_of(words[0].w[2]);
+    const Real xi = uniform_of(words[2]);
     const Real folded = Real(2) * min(xi, Real(1) - xi);
-    const Real t = select(is_axial, sqrt(xi), exp(log(folded) * Real(1.0 / 3)));
+    const Real t = select(is_axial, sqrt(xi), cbrt(folded));
     const auto table = [](unsigned n) { return Words(n * kMarginalPieces); };
     const auto word_mask = [](Mask m) { return to_word_mask(m); };
     const Words which = select(word_mask(is_axial), select(word_mask(behind), table(1), table(0)),
                                select(word_mask(xi > Real(0.5)), table(3), table(2)));
     const Real below =
         tabulated(which, min(t * Real(kMarginalPieces), Real(kMarginalPieces - 1e-3)));
-    const Vec3<Real> m = proposed_normal(is_axial, below, uniform_of(words[0].w[3]));
-    return {wi, renormalized(m.x * tangent + m.y * cross(axis, tangent) + m.z * axis), Real(1),
-            takes_visible_normal(u, s, m, uniform_of(words[1].w[0]))};
+    const Vec3<Real> m = proposed_normal<Real>(is_axial, below, signed_uniform_of(words[3]));
+    return {wi,
+            {m.x * tangent_x - m.y * tangent_y, m.x * tangent_y + m.y * tangent_x, up * m.z},
+            Real(1),
+            takes_visible_normal(u, s, m, uniform_of(words[4]))};
   }
 };
 
@@ -228,15 +267,14 @@ template <class Real>
 struct VmfLambertOnLanes : VmfOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::vmf_lambert;
   static constexpr bool kDiffuse = true, kMirror = false;
+  static constexpr int kWords = 7;
   using VmfOnLanes<Real>::VmfOnLanes;
-  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi,
-                                         const WordBlock<WordsOf<Real>>* words) const {
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
     return this->draw(wi, words);
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>* words) const {
-    return {cosine_hemisphere(e.normal, uniform_of(words[1].w[1]), uniform_of(words[1].w[2])),
-            Real(1)};
+                                          const WordsOf<Real>* words) const {
+    return {next_by_lambert(e.normal, words + 5), Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_flake_density(e, wo);
@@ -247,25 +285,25 @@ template <class Real>
 struct VmfMirrorOnLanes : VmfOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::vmf_mirror;
   static constexpr bool kDiffuse = false, kMirror = true;
+  static constexpr int kWords = 5;
   Real kappa, density_scale;
   template <class Reader>
   LAMELLA_INLINE explicit VmfMirrorOnLanes(const Reader& n)
       : VmfOnLanes<Real>(n), kappa(n(kKappa)), density_scale(n(kDensityScale)) {}
-  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi,
-                                         const WordBlock<WordsOf<Real>>* words) const {
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
     LaneEvent<Real> e = this->draw(wi, words);
     e.inverse_sigma = reciprocal(max(this->sigma(wi), Real(1e-6)));
     return e;
   }
-  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>*) const {
-    return {mirrored(e.wi, e.normal), dot(e.wi, e.normal)};
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e, const WordsOf<Real>*) const {
+    const Real along = dot(e.wi, e.normal);
+    return {renormalized(e.wi - (Real(2) * along) * e.normal), along};
   }
   /// D(h) / (4 sigma(w_i))
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     using std::exp;
     const Vec3<Real> h = e.wi + wo;
-    const Real cosine = dot(h, this->axis) * reciprocal_sqrt(max(dot(h, h), Real(1e-20)));
+    const Real cosine = this->up * h.z * reciprocal_sqrt(max(dot(h, h), Real(1e-20)));
     return exp(kappa * (min(cosine, Real(1)) - Real(1))) * density_scale * e.inverse_sigma;
   }
 };
@@ -275,15 +313,15 @@ template <class Real>
 struct SubstrateOnLanes {
   static constexpr auto kKind = LaneMediumKind::substrate;
   static constexpr bool kNull = false, kDiffuse = true, kMirror = false;
+  static constexpr int kWords = 3;
   template <class Reader>
   LAMELLA_INLINE explicit SubstrateOnLanes(const Reader&) {}
-  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordBlock<WordsOf<Real>>*) const {
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
     return {wi, {Real(0), Real(0), Real(1)}, Real(1), every_lane<Real>()};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
-                                          const WordBlock<WordsOf<Real>>* words) const {
-    const auto* w = words[0].w;
-    return {cosine_hemisphere(e.normal, uniform_of(w[1]), uniform_of(w[2])), Real(1)};
+                                          const WordsOf<Real>* words) const {
+    return {next_by_lambert(e.normal, words + 1), Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_flake_density(e, wo);

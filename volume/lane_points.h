@@ -36,6 +36,39 @@ struct FixedPoint {
   }
 };
 
+/// Sums of floats per lane in fixed point, without 64-bit arithmetic: multiples of 2^-6 and what
+/// remains in multiples of 1 / kPointUnits. Terms up to kPointLimit, kMost of them.
+struct FixedPointLanes {
+  static constexpr int kMost = 32;
+  alignas(64) std::uint32_t coarse[kLanes] = {}, fine[kLanes] = {};  // two's complement
+
+  struct Term {
+    Words coarse, fine;
+    LAMELLA_INLINE explicit Term(Floats x) {
+      coarse = to_nearest_words(x * Floats(0x1p6f));
+      const Floats rest = multiply_add(to_floats(coarse), Floats(-0x1p-6f), x);
+      fine = to_nearest_words(rest * Floats(0x1p32f));
+    }
+  };
+  LAMELLA_INLINE void add(const Term& term, FloatMask here) {
+    const auto add_to = [&](std::uint32_t* sums, Words x) LAMELLA_INLINE_LAMBDA {
+      const Words old = Words::load(sums);
+      select(to_word_mask(here), old + x, old).store(sums);
+    };
+    add_to(coarse, term.coarse);
+    add_to(fine, term.fine);
+  }
+  /// The sum in units of 1 / kPointUnits; begins anew.
+  [[nodiscard]] std::int64_t take() {
+    std::int64_t sum = 0;
+    for (int k = 0; k < kLanes; ++k)
+      sum += (std::int64_t{static_cast<std::int32_t>(coarse[k])} << 26) +
+             static_cast<std::int32_t>(fine[k]);
+    *this = {};
+    return sum;
+  }
+};
+
 /// A lane's event, for all lanes to see.
 struct StoredEvents {
   alignas(64) float numbers[4][kLanes];
@@ -55,22 +88,44 @@ struct StoredEvents {
 /// Gives events to the sums of points or cells. C: weights that walks carry.
 template <int C>
 struct NextEventOnLanes {
+  static constexpr bool kUsesIndex = true;
+  static constexpr int kFew = 4;  // up to so many points one after the other, all lanes at once
+
   const LaneWalkTask& t;
   LaneSums& sums;
-  static constexpr int kFew = 4;  // up to so many points one after the other, all lanes at once
+  // What few points got from walks without weights and colour, not yet in the sums.
+  mutable FixedPointLanes few_sums[kFew][kRouletteOrder] = {};
+  mutable int few_terms = 0;
+
+  /// Brings everything to the sums.
+  LAMELLA_INLINE void finish() const {
+    if (few_terms > 0) empty_few();
+  }
 
   template <class All, class M>
   LAMELLA_INLINE void operator()(All all, const M& medium, const LaneEvent<Floats>& event,
-                                 const LaneState<Floats, C>& w, FloatMask counts) const {
+                                 const LaneState<Floats, C>& w, FloatMask scatters) const {
     if (t.estimate != LaneEstimate::points && t.estimate != LaneEstimate::cells_next_event) return;
-    if (!any(counts)) return;
-    if (t.estimate == LaneEstimate::points && t.points.count <= kFew)
+    const FloatMask counts = scatters & to_float_mask(w.order < Words(t.walk.max_order));
+    const bool are_few = t.estimate == LaneEstimate::points && t.points.count <= kFew;
+    if (C == 0 && are_few && t.channels == 1)
       few(all, medium, event, w, counts);
+    else if (!any(counts))
+      return;
+    else if (are_few)
+      few_weighed(all, medium, event, w, counts);
     else
       many(all, medium, event, w, counts);
   }
 
  private:
+  [[gnu::noinline]] void empty_few() const {
+    for (int j = 0; j < t.points.count && j < kFew; ++j)
+      for (int slot = 0; slot < static_cast<int>(kRouletteOrder); ++slot)
+        sums.targets[slot * t.points.padded + j] += few_sums[j][slot].take();
+    few_terms = 0;
+  }
+
   /// What an event of each lane sends out in a channel, Schlick's factor apart.
   template <class M>
   LAMELLA_INLINE Floats share(const M&, const LaneState<Floats, C>& w, int channel) const {
@@ -91,28 +146,57 @@ struct NextEventOnLanes {
     return C > 0 && M::kMirror && t.walk.fresnel;
   }
 
+  struct OfSlots {
+    FloatMask of[kRouletteOrder];
+    LAMELLA_INLINE OfSlots(Words order, FloatMask counts) {
+      for (std::uint32_t k = 0; k + 1 < kRouletteOrder; ++k)
+        of[k] = counts & to_float_mask(equal(order, Words(k)));
+      of[kRouletteOrder - 1] = counts & to_float_mask(order >= Words(kRouletteOrder - 1));
+    }
+  };
+
+  /// What an event of each lane sends to point j, albedo and Schlick's factor apart.
   template <class All, class M>
-  LAMELLA_INLINE void few(All, const M& medium, const LaneEvent<Floats>& event,
-                          const LaneState<Floats, C>& w, FloatMask counts) const {
+  LAMELLA_INLINE Floats sent(All, const M& medium, const LaneEvent<Floats>& event,
+                             const LaneState<Floats, C>& w, int j) const {
     constexpr int kStride = kMostLaneLayers + 1;
     const LanePoints& p = t.points;
-    const int substrate = t.walk.layer_count;
-    const Floats depth = All::value ? Floats(t.walk.layers->value[kDepth][0])
-                                    : lookup(t.walk.layers->value[kDepth], w.layer);
-    const Words order = w.order + Words(1u);
+    const Vec3<Floats> wo{Floats(p.x[j]), Floats(p.y[j]), Floats(p.z[j])};
+    const float* rates = p.rate_by_point + j * kStride;
+    const float* beyond = p.beyond_by_point + j * kStride;
+    Floats tau;
+    if constexpr (M::kKind == LaneMediumKind::substrate) {
+      tau = Floats(beyond[t.walk.layer_count]);
+    } else {
+      const auto& depths = t.walk.layers->value[kDepth];
+      const Floats depth = All::value ? Floats(depths[0]) : lookup(depths, w.layer);
+      const Floats way = j < p.up ? w.y : depth - w.y;
+      tau = All::value ? way * Floats(rates[0])
+                       : multiply_add(way, lookup(rates, w.layer), lookup(beyond, w.layer));
+    }
+    return medium.density(event, wo) * exp(-tau);
+  }
+
+  template <class All, class M>
+  LAMELLA_INLINE void few(All all, const M& medium, const LaneEvent<Floats>& event,
+                          const LaneState<Floats, C>& w, FloatMask counts) const {
+    const OfSlots slots(w.order, counts);
+    for (int j = 0; j < t.points.count; ++j) {
+      const FixedPointLanes::Term term(sent(all, medium, event, w, j));
+      for (std::uint32_t k = 0; k < kRouletteOrder; ++k) few_sums[j][k].add(term, slots.of[k]);
+    }
+    if (++few_terms == FixedPointLanes::kMost) empty_few();
+  }
+
+  // By value: what a call takes the address of does not stay in registers.
+  template <class All, class M>
+  [[gnu::noinline]] void few_weighed(All all, M medium, LaneEvent<Floats> event,
+                                     LaneState<Floats, C> w, FloatMask counts) const {
+    const OfSlots slots(w.order, counts);
+    const LanePoints& p = t.points;
     for (int j = 0; j < p.count; ++j) {
       const Vec3<Floats> wo{Floats(p.x[j]), Floats(p.y[j]), Floats(p.z[j])};
-      const float* rates = p.rate_by_point + j * kStride;
-      const float* beyond = p.beyond_by_point + j * kStride;
-      Floats tau;
-      if constexpr (M::kKind == LaneMediumKind::substrate) {
-        tau = Floats(beyond[substrate]);
-      } else {
-        const Floats way = j < p.up ? w.y : depth - w.y;
-        tau = All::value ? way * Floats(rates[0])
-                         : multiply_add(way, lookup(rates, w.layer), lookup(beyond, w.layer));
-      }
-      const Floats value = medium.density(event, wo) * exp(-tau);
+      const Floats value = sent(all, medium, event, w, j);
       for (int c = 0; c < t.channels; ++c) {
         Floats term = value * share(medium, w, c);
         if (has_fresnel(medium)) {
@@ -120,12 +204,9 @@ struct NextEventOnLanes {
           term = term * multiply_add(schlick_weight(half_cosine(event.wi, wo)), Floats(1) - f0, f0);
         }
         for (std::uint32_t slot = 0; slot < kRouletteOrder; ++slot) {
-          const FloatMask here =
-              counts & to_float_mask(slot + 1 < kRouletteOrder ? equal(order, Words(slot + 1))
-                                                               : order >= Words(kRouletteOrder));
-          if (!any(here)) continue;
+          if (!any(slots.of[slot])) continue;
           sums.targets[(static_cast<int>(slot) * t.channels + c) * p.padded + j] +=
-              FixedPoint(select(here, term, Floats(0))).sum();
+              FixedPoint(select(slots.of[slot], term, Floats(0))).sum();
         }
       }
     }
@@ -133,8 +214,8 @@ struct NextEventOnLanes {
 
   // One event after the other, as many directions at once as there are lanes.
   template <class All, class M>
-  [[gnu::noinline]] void many(All, const M& medium, const LaneEvent<Floats>& event,
-                              const LaneState<Floats, C>& w, FloatMask counts) const {
+  [[gnu::noinline]] void many(All, M medium, LaneEvent<Floats> event, LaneState<Floats, C> w,
+                              FloatMask counts) const {
     const StoredEvents stored(medium, event);
     alignas(64) float depths[kLanes], places[kLanes], turn_cos[kLanes], turn_sin[kLanes];
     alignas(64) float shares[3][kLanes];
@@ -230,7 +311,7 @@ struct NextEventOnLanes {
     const auto area = [&](int k) LAMELLA_INLINE_LAMBDA {
       const OneLayer<Floats> at{numbers, k};
       if (numbers.value[kFront][k] > 0) return VmfOnLanes<Floats>(at).sigma(-wo);
-      return projected_area(SggxOnLanes<Floats>(at).a, -wo);
+      return projected_area(SggxOnLanes<Floats, SggxMatrix>(at).a, -wo);
     };
     Floats sum(0);
     if (layer < t.walk.layer_count)

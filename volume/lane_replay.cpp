@@ -8,38 +8,35 @@
 namespace lamella {
 namespace {
 
-struct ReplayNumbers {
-  std::uint64_t seed;
-  std::uint32_t index_high;
-  WordBlock<std::uint32_t> operator()(std::uint32_t position, std::uint32_t stream,
-                                      std::uint32_t index) const {
-    const auto block = r123::Philox4x32_R<7>()(
-        {{position, stream, index, index_high}},
-        {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}});
-    return {{block.v[0], block.v[1], block.v[2], block.v[3]}};
-  }
-};
+WalkNumbers<std::uint32_t> numbers_of(std::uint64_t seed, std::uint64_t index) {
+  const auto block = r123::Philox4x32_R<7>()(
+      {{0, kLaneWalkStream, static_cast<std::uint32_t>(index),
+        static_cast<std::uint32_t>(index >> 32)}},
+      {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}});
+  const WordBlock<std::uint32_t> state{{block.v[0], block.v[1], block.v[2], block.v[3]}};
+  return WalkNumbers<std::uint32_t>(state);
+}
 
 template <int C>
 void replay_walk(const LaneSetting<double>& setting, std::uint64_t index, int channels,
                  const CellTargets& cells, BatchTally& tally) {
   const AnyMedia<double> set(setting.walk);
-  const ReplayNumbers numbers{setting.walk.seed, static_cast<std::uint32_t>(index >> 32)};
   LaneState<double, C> w{};
-  w.index = static_cast<std::uint32_t>(index);
+  w.numbers = numbers_of(setting.walk.seed, index);
   LaneEnds<double> now{};
   EnergySums& energy = tally.energy;
-  const bool collides = begin<C>(setting.walk, set, w, true, numbers);
+  const bool collides = begin<C>(setting.walk, set, w, true);
   while (collides && !now.ends) {
-    now = step<C>(setting.walk, set, w, true, NoScore{}, numbers);
-    tally.collisions += now.events && !now.reflections;
+    now = step<C>(setting.walk, set, w, true, NoScore{});
+    tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
   }
   ++tally.walks;
-  const bool straight = w.order == 0 && (!collides || (now.code & 3) < 2);
-  const auto end = static_cast<WalkEnd>(now.code & 3);
+  const LaneEnd<std::uint32_t> of(now.code, setting.walk.max_order);
+  const auto end = static_cast<WalkEnd>(of.end);
+  const bool straight = of.order == 0 && end < WalkEnd::absorbed;
   const int target = straight || end > WalkEnd::down ? -1 : cells.find(-w.wi);
   for (int c = 0; c < channels; ++c) {
-    const double at_end = C > 0 ? w.weight[C > 0 ? c : 0] : setting.weight_after(c, w.order);
+    const double at_end = C > 0 ? w.weight[C > 0 ? c : 0] : setting.weight_after(c, of.order);
     const double weight = setting.chance * (straight ? 1 : at_end);
     energy.uncollided[c] += 1 - setting.chance;
     if (straight) {
@@ -49,7 +46,7 @@ void replay_walk(const LaneSetting<double>& setting, std::uint64_t index, int ch
     energy.absorbed[c] += setting.chance - (end == WalkEnd::absorbed ? 0 : weight);
     if (end == WalkEnd::unresolved) energy.unresolved[c] += weight;
     if (end > WalkEnd::down) continue;
-    const int slot = order_slot(w.order);
+    const int slot = order_slot(of.order);
     (end == WalkEnd::up ? energy.up : energy.down)[slot][c] += weight;
     if (target >= 0)
       tally.f[static_cast<std::size_t>(slot * channels + c) * cells.count() + target] +=

@@ -58,7 +58,8 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
   if (estimator == Estimator::analog) {
     task_.estimate = LaneEstimate::cells_counted;
     for (Counts& c : counts_)
-      c.cells.resize(static_cast<std::size_t>(kOrders) * task_.channels * cells.count() + 1);
+      c.cells.resize(static_cast<std::size_t>(kOrders) * task_.channels * cells.count() +
+                     c.ends.size());
     return;
   }
   task_.estimate = LaneEstimate::cells_next_event;
@@ -126,13 +127,28 @@ void LaneRun::trace(const Stack& stack, const std::vector<Direction>& points) {
   task_.points.beyond_by_point = beyond_by_point_.data();
 }
 
+std::uint64_t LaneRun::first_not_finite(LaneWalkTask task) const {
+  // Halves the walks until one is left: they are the same in whatever company.
+  while (task.walks > 1) {
+    Counts spare = counts_.front();
+    LaneSums sums = spare.sums();
+    task.cells.scratch = spare.scratch.data();
+    LaneWalkTask half = task;
+    half.walks = task.walks / 2;
+    walk_(half, sums);
+    if (sums.finite) {
+      task.index_low += half.walks * task.index_stride;
+      half.walks = task.walks - half.walks;
+    }
+    task.walks = half.walks;
+  }
+  return (std::uint64_t{task.index_high} << 32) + task.index_low;
+}
+
 void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& tally) {
   Counts& counts = counts_[batch];
   LaneWalkTask task = task_;
-  LaneSums sums{.ends = counts.ends.data(),
-                .weights = counts.weights.data(),
-                .cells = counts.cells.data(),
-                .targets = counts.targets.data()};
+  LaneSums sums = counts.sums();
   task.cells.scratch = counts.scratch.data();
   const std::uint64_t stride = counts_.size();
   tally.walks += to - from;
@@ -145,7 +161,7 @@ void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& t
     task.index_high = static_cast<std::uint32_t>(index >> 32);
     task.walks = static_cast<std::uint32_t>(here);
     walk_(task, sums);
-    if (sums.bad_walk) throw NonFiniteError(task.walk.seed, sums.bad_walk - 1, incident_);
+    if (!sums.finite) throw NonFiniteError(task.walk.seed, first_not_finite(task), incident_);
     from += here;
   }
   counts.lane_steps += sums.lane_steps;
@@ -154,7 +170,22 @@ void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& t
   to_tally(counts, tally);
 }
 
+std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
+  std::vector<std::uint64_t> ends = counts.ends;
+  if (task_.estimate != LaneEstimate::cells_counted || task_.weighs()) return ends;
+  const std::size_t targets = cells_.count(), side = cells_.grid.cells();
+  const auto beyond = counts.cells.begin() + static_cast<std::ptrdiff_t>(kOrders * targets);
+  for (std::size_t at = 0; at < ends.size(); ++at)
+    ends[at] += static_cast<std::uint64_t>(beyond[static_cast<std::ptrdiff_t>(at)]);
+  for (std::size_t slot = 0; slot < kOrders; ++slot)
+    for (std::size_t j = 0; j < targets; ++j)
+      ends[(j < side ? 0 : 1) * (kOrders + 1) + slot + 1] +=
+          static_cast<std::uint64_t>(counts.cells[slot * targets + j]);
+  return ends;
+}
+
 void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
+  const std::vector<std::uint64_t> ends = all_ends(counts);
   const double chance = setting_.chance;
   EnergySums energy{};
   const WalkEnd straight = task_.walk.from_above ? WalkEnd::down : WalkEnd::up;
@@ -163,14 +194,13 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
     const auto ended = [&](WalkEnd end, int order) {
       const std::size_t at = static_cast<std::size_t>(end) * (kOrders + 1) + order;
       if (!task_.weighs())
-        return chance * static_cast<double>(counts.ends[at]) * setting_.weight_after(0, order);
-      return chance / kPointUnits *
-             static_cast<double>(counts.weights[c * counts.ends.size() + at]);
+        return chance * static_cast<double>(ends[at]) * setting_.weight_after(0, order);
+      return chance / kPointUnits * static_cast<double>(counts.weights[c * ends.size() + at]);
     };
     energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
     energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
     // A walk has lost to its events what it lacks at its end, and at a last event everything.
-    for (const std::uint64_t walks : counts.ends)
+    for (const std::uint64_t walks : ends)
       energy.absorbed[c] += chance * static_cast<double>(walks);
     energy.absorbed[c] -= ended(straight, 0) + ended(WalkEnd::unresolved, 0);
     for (int k = 1; k <= kOrders; ++k) {
@@ -183,6 +213,9 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   }
   tally.energy = energy;
   tally.collisions = counts.busy - counts.reflections;
+  // The event that was one too many.
+  for (int k = 0; k <= kOrders; ++k)
+    tally.collisions -= ends[static_cast<int>(WalkEnd::unresolved) * (kOrders + 1) + k];
 }
 
 void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {

@@ -45,10 +45,19 @@ class LaneRun {
     std::vector<std::int64_t> weights, cells, targets;
     std::vector<float> scratch;
     std::uint64_t lane_steps = 0, busy = 0, reflections = 0;
+    [[nodiscard]] LaneSums sums() {
+      return {.ends = ends.data(),
+              .weights = weights.data(),
+              .cells = cells.data(),
+              .targets = targets.data()};
+    }
   };
+  [[nodiscard]] std::uint64_t first_not_finite(LaneWalkTask task) const;
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
           int batches);
   void trace(const Stack& stack, const std::vector<Direction>& points);
+  /// Walks by end and order, those that cells count among them.
+  [[nodiscard]] std::vector<std::uint64_t> all_ends(const Counts& counts) const;
   void to_tally(const Counts& counts, BatchTally& tally) const;
   void energies_to_tally(const Counts& counts, BatchTally& tally) const;
 

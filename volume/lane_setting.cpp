@@ -9,6 +9,26 @@
 namespace lamella {
 namespace {
 
+int words_of(LaneMediumKind kind) {
+  switch (kind) {
+    case LaneMediumKind::lambert_sphere:
+      return LambertSphereOnLanes<double>::kWords;
+    case LaneMediumKind::henyey_greenstein:
+      return HenyeyGreensteinOnLanes<double>::kWords;
+    case LaneMediumKind::sggx_mirror:
+      return SggxMirrorOnLanes<double>::kWords;
+    case LaneMediumKind::sggx_lambert:
+      return SggxLambertOnLanes<double>::kWords;
+    case LaneMediumKind::vmf_mirror:
+      return VmfMirrorOnLanes<double>::kWords;
+    case LaneMediumKind::vmf_lambert:
+      return VmfLambertOnLanes<double>::kWords;
+    case LaneMediumKind::substrate:
+      return SubstrateOnLanes<double>::kWords;
+  }
+  return 0;
+}
+
 template <class Scalar>
 class LayerWriter {
  public:
@@ -24,6 +44,7 @@ class LayerWriter {
   void set_kind(LaneMediumKind kind) {
     set(kKind, static_cast<int>(kind));
     to_.walk.kinds |= 1u << static_cast<int>(kind);
+    to_.walk.words = std::max(to_.walk.words, words_of(kind));
   }
   void set_matrix(int field, const SggxMatrix<double>& a) {
     const double numbers[] = {a.a00, a.a10, a.a11, a.a20, a.a21, a.a22};
@@ -56,9 +77,7 @@ class LayerWriter {
   void vmf(LaneMediumKind kind, const Vmf& flakes) {
     set_kind(kind);
     const Direction axis = flakes.axis();
-    set(kAxis, axis.x);
-    set(kAxis + 1, axis.y);
-    set(kAxis + 2, axis.z);
+    set(kUp, axis.z > 0 ? 1 : -1);
     const VisibleNormalMixture<double> mixture{flakes.sigma(axis), flakes.sigma(-axis),
                                                flakes.sigma(frame_around(axis).s)};
     set(kFront, mixture.front);
@@ -135,6 +154,7 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
   layers.tables = tables.data();
   if (walk.substrate) {
     walk.kinds |= 1u << static_cast<int>(LaneMediumKind::substrate);
+    walk.words = std::max(walk.words, words_of(LaneMediumKind::substrate));
     const auto below = channels(stack.substrate->albedo);
     std::copy(below.begin(), below.end(), walk.substrate_albedo);
   }

@@ -9,11 +9,9 @@
 
 namespace lamella {
 
-/// Streams of such a walk, beside those of StreamPurpose: up to its first collision, two blocks per
-/// event from there, the place within cells that an event's light is sent to.
-inline constexpr std::uint32_t kLaneStartStream = 4, kLaneWalkStream = 5, kLaneTargetStream = 6;
-/// Set in the position of an event's second block.
-inline constexpr std::uint32_t kSecondBlock = 0x80000000u;
+/// Streams of such a walk, beside those of StreamPurpose: the state that its numbers begin from,
+/// and the place within cells that an event's light is sent to.
+inline constexpr std::uint32_t kLaneWalkStream = 4, kLaneTargetStream = 6;
 
 /// What became of a walk.
 enum class WalkEnd : std::uint32_t { up = 0, down = 1, absorbed = 2, unresolved = 3 };
@@ -38,6 +36,7 @@ struct WalkSetting {
   bool black = false;  ///< the first event ends a walk
   Scalar substrate_albedo[3] = {};
   std::uint32_t max_order = 0;
+  int words = 1;  ///< random words that an event takes: the most that any of the media needs
   std::uint64_t seed = 0;
 };
 
@@ -46,22 +45,24 @@ template <class Real, int C>
 struct LaneState {
   Vec3<Real> wi;  ///< points back to where the light comes from
   Real y;         ///< depth below the layer's top
-  WordsOf<Real> layer, order, death, index, step;
+  WordsOf<Real> layer, order, index;
+  /// Without weights: the event that ends the walk, by roulette or as one too many.
+  WordsOf<Real> death;
+  WalkNumbers<WordsOf<Real>> numbers;
   Real weight[C > 0 ? C : 1];
 };
 
 /// One layer of one medium, known at compile time.
 template <class Real, template <class> class M>
 struct OneMedium {
-  static constexpr bool kSingle = true, kCountsSteps = M<Real>::kNull;
-  static constexpr bool kMayBeTwoBlocks = M<Real>::kNull;
+  static constexpr bool kSingle = true;
   using Scalar = typename NumberTraits<Real>::Scalar;
   M<Real> medium;
   Real depth;
 
   LAMELLA_INLINE explicit OneMedium(const WalkSetting<Scalar>& t)
       : medium(OneLayer<Real>{*t.layers, 0}), depth(t.layers->value[kDepth][0]) {}
-  LAMELLA_INLINE bool two_blocks(bool) const { return kMayBeTwoBlocks; }
+  LAMELLA_INLINE int words() const { return M<Real>::kWords; }
   template <class F>
   LAMELLA_INLINE void visit(WordsOf<Real>, const F& f) const {
     f(medium, std::true_type{}, every_lane<Real>());
@@ -70,15 +71,15 @@ struct OneMedium {
   LAMELLA_INLINE MaskOf<Real> fly(Vec3<Real> wi, Real remaining, MaskOf<Real>, WordsOf<Real>&,
                                   Real& y) const {
     y = multiply_add(remaining * medium.inverse_area(wi), wi.z, y);
-    const auto down = wi.z > Real(0);
-    return (down & (y < depth)) | without(y > Real(0), down);
+    // The limits count, too: a flight of length 0 from them does not leave.
+    return (Real(0) <= y) & (y <= depth);
   }
 };
 
 /// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
 template <class Real>
 struct AnyMedia {
-  static constexpr bool kSingle = false, kCountsSteps = true, kMayBeTwoBlocks = true;
+  static constexpr bool kSingle = false;
   using Scalar = typename NumberTraits<Real>::Scalar;
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
@@ -92,7 +93,7 @@ struct AnyMedia {
         one_kind((setting.kinds & (setting.kinds - 1)) == 0),
         has_vmf((setting.kinds & (1u << static_cast<int>(LaneMediumKind::vmf_mirror) |
                                   1u << static_cast<int>(LaneMediumKind::vmf_lambert))) != 0) {}
-  LAMELLA_INLINE bool two_blocks(bool weights) const { return has_vmf || weights; }
+  LAMELLA_INLINE int words() const { return t.words; }
 
   template <class M, class F>
   LAMELLA_INLINE void visit_kind(Words layer, Real kind, const F& f) const {
@@ -120,7 +121,7 @@ struct AnyMedia {
   LAMELLA_INLINE Real inverse_area(Words layer, Vec3<Real> w) const {
     const LayerPerLane<Real> numbers{*t.layers, layer};
     // Particles have the unit matrix.
-    const Real inverse = SggxOnLanes<Real>(numbers).inverse_area(w);
+    const Real inverse = SggxOnLanes<Real, SggxMatrix>(numbers).inverse_area(w);
     if (!has_vmf) return inverse;
     return select(numbers(kFront) > Real(0), VmfOnLanes<Real>(numbers).inverse_area(w), inverse);
   }
@@ -161,6 +162,8 @@ struct AnyMedia {
 
 /// Scores nothing.
 struct NoScore {
+  static constexpr bool kUsesIndex = false;
+  LAMELLA_INLINE void finish() const {}
   template <class All, class M, class Real, class State, class Mask>
   LAMELLA_INLINE void operator()(All, const M&, const LaneEvent<Real>&, const State&, Mask) const {}
 };
@@ -169,13 +172,26 @@ struct NoScore {
 template <class Real>
 struct LaneEnds {
   MaskOf<Real> ends;         ///< of which lanes
-  WordsOf<Real> code;        ///< WalkEnd + 4 order
-  MaskOf<Real> events;       ///< which lanes met an event that counts
+  WordsOf<Real> code;        ///< lane_end_code
+  MaskOf<Real> events;       ///< which lanes met an event
   MaskOf<Real> reflections;  ///< the substrate's among them
 };
 
+/// How a walk ended, and at which order: 4 order, + 1 if it went down, + 2 if an event ended it.
+/// The event after max_order, which does not count any more, leaves a walk unresolved.
+template <class Words>
+struct LaneEnd {
+  Words end, order;  ///< WalkEnd; events that counted
+  LAMELLA_INLINE LaneEnd(Words code, std::uint32_t max_order) {
+    const Words events = shift_right<2>(code), most(max_order);
+    const auto too_many = most < events;
+    order = min(events, most);
+    end = select(too_many, Words(3u), min(code & Words(3u), Words(2u)));
+  }
+};
+
 /// The weights after an event of order w.order, given what it keeps: survival from the fourth event
-/// on has the chance of the brightest channel. Which of the lanes `counts` end.
+/// on has the chance of the brightest channel. Which of the lanes `counts` end. Others keep theirs.
 template <class Real>
 [[nodiscard]] LAMELLA_INLINE MaskOf<Real> weigh(LaneState<Real, 3>& w, const Real* kept, bool grey,
                                                 MaskOf<Real> counts, Real uniform) {
@@ -197,23 +213,19 @@ template <class Real>
 }
 
 /// All active lanes are at a collision, or a null one: the event and the flight to the next one.
-/// numbers(position, stream, index): a block of random words.
-template <int C, class Set, class Real, class Score, class Numbers>
+/// score(every lane?, medium, event, walks, lanes) sees events before they count; those at
+/// max_order are one too many.
+template <int C, class Set, class Real, class Score>
 LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
                                    const Set& set, LaneState<Real, C>& w, MaskOf<Real> active,
-                                   const Score& score, const Numbers& numbers) {
+                                   const Score& score) {
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
-  using std::log;
-  const Words position = Set::kCountsSteps ? w.step : w.order;
-  WordBlock<Words> words[2];
-  words[0] = numbers(position, kLaneWalkStream, w.index);
-  words[1] = words[0];
-  if (set.two_blocks(C > 0))
-    words[1] = numbers(position | Words(kSecondBlock), kLaneWalkStream, w.index);
-  if constexpr (Set::kCountsSteps) w.step = w.step + Words(1u);
-  const Mask last = to_float_mask(equal(w.order, Words(t.max_order)));
-  Mask over = without(active, active), events = over, reflections = over;
+  Words words[kEventWords];
+  for (int k = 0; k < set.words(); ++k) words[k] = w.numbers.next();
+  if constexpr (C > 0) words[kRouletteWord] = w.numbers.next();
+  Mask events = active, reflections = without(active, active);
+  if constexpr (!Set::kSingle) events = reflections;
   Vec3<Real> wi = w.wi;
   Real kept[C > 0 ? C : 1];
   if constexpr (C > 0)
@@ -224,16 +236,18 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
     Mask scatters = active;
     if constexpr (!all) scatters = scatters & here;
     if constexpr (M::kNull) scatters = scatters & event.accepted;
-    const Mask counts = without(scatters, last);
-    over = over | (scatters & last);
-    events = events | counts;
-    if constexpr (M::kKind == LaneMediumKind::substrate) reflections = counts;
-    score(all, medium, event, w, counts);
+    if constexpr (all)
+      events = scatters;
+    else
+      events = events | scatters;
+    if constexpr (M::kKind == LaneMediumKind::substrate)
+      reflections = scatters & to_float_mask(w.order < Words(t.max_order));
+    score(all, medium, event, w, scatters);
     const auto scattered = medium.sample(event, words);
     if constexpr (all && !M::kNull)
-      wi = -scattered.wo;  // lanes that do not count end here
+      wi = scattered.next;  // what is not active does not matter
     else
-      wi = select(counts, -scattered.wo, wi);
+      wi = select(scatters, scattered.next, wi);
     if constexpr (C > 0) {
       constexpr bool substrate = M::kKind == LaneMediumKind::substrate;
       const LayerPerLane<Real> layers{*t.layers, w.layer};
@@ -243,52 +257,52 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
           const Real f0 = layers(kF0 + c);
           k = k * multiply_add(schlick_weight(scattered.cosine), Real(1) - f0, f0);
         }
-        kept[c] = select(counts, k, kept[c]);
+        kept[c] = select(scatters, k, kept[c]);
       }
     }
   });
   w.order = select(to_word_mask(events), w.order + Words(1u), w.order);
   w.wi = wi;
   Mask gone;
-  if constexpr (C > 0)
-    gone = weigh(w, kept, t.grey, events, uniform_of(words[1].w[3]));
-  else
-    gone = events & to_float_mask(w.order >= w.death);
-  const Real remaining = -log(fine_uniform_of(words[0].w[0]));
-  const Mask collides = set.fly(w.wi, remaining, without(active, gone | over), w.layer, w.y);
-  const auto down = to_word_mask(w.wi.z > Real(0));
-  Words end = select(down, Words(1u), Words(0u));
-  end = select(to_word_mask(gone), Words(2u), end);
-  end = select(to_word_mask(over), Words(3u), end);
-  return {without(active, without(collides, gone | over)), end + shift_left<2>(w.order), events,
-          reflections};
+  if constexpr (C > 0) {
+    const Mask over = events & to_float_mask(Words(t.max_order) < w.order);
+    gone = over | weigh(w, kept, t.grey, without(events, over), uniform_of(words[kRouletteWord]));
+  } else {
+    gone = to_float_mask(w.order >= w.death);
+  }
+  const Real remaining = exponential_of(words[0]);
+  const Mask collides = set.fly(w.wi, remaining, without(active, gone), w.layer, w.y);
+  Words code = shift_left<2>(w.order);
+  code = select(to_word_mask(w.wi.z > Real(0)), code + Words(1u), code);
+  code = select(to_word_mask(gone), code | Words(2u), code);
+  return {without(active, without(collides, gone)), code, events, reflections};
 }
 
-/// Begins the walks `w.index`: their first flight. Which of them collide; the others leave the
-/// stack as they came.
-template <int C, class Set, class Real, class Numbers>
+/// Begins walks by the numbers w.numbers: their first flight. Which of them collide; the others
+/// leave the stack as they came.
+template <int C, class Set, class Real>
 LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
-                                  const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist,
-                                  const Numbers& numbers) {
+                                  const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist) {
   using Words = WordsOf<Real>;
-  using std::log;
-  const WordBlock<Words> block = numbers(Words(0u), kLaneStartStream, w.index);
-  const Real uniform = fine_uniform_of(block.w[0]);
+  const Words flight = w.numbers.next();
   w.wi = {Real(t.wi[0]), Real(t.wi[1]), Real(t.wi[2])};
   const int start = t.from_above ? 0 : t.layer_count - 1;
   w.layer = Words(static_cast<std::uint32_t>(start));
   const Real bottom = Real(t.layers->value[kDepth][start]);
   w.y = t.from_above ? Real(0) : bottom;
   w.order = Words(0u);
-  w.step = Words(0u);
   for (Real& weight : w.weight) weight = Real(1);
-  // The event at which the roulette of the fourth and later ones ends the walk.
-  const Real survived =
-      min(-log(fine_uniform_of(block.w[1])) * Real(t.orders_per_absorption), Real(1e9));
-  w.death = t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder);
-  if (!(t.forced_chance > 0)) return set.fly(w.wi, -log(uniform), exist, w.layer, w.y) & exist;
+  if constexpr (C == 0) {
+    // The event at which the roulette of the fourth and later ones ends the walk.
+    const Real survived =
+        min(exponential_of(w.numbers.next()) * Real(t.orders_per_absorption), Real(1e9));
+    w.death = t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder);
+    w.death = min(w.death, Words(t.max_order + 1));
+  }
+  if (!(t.forced_chance > 0))
+    return set.fly(w.wi, exponential_of(flight), exist, w.layer, w.y) & exist;
   // -log(1 - x) by its series, x the uniform number times the chance
-  const Real x = uniform * Real(t.forced_chance);
+  const Real x = fine_uniform_of(flight) * Real(t.forced_chance);
   Real p = multiply_add(x, Real(0.2), Real(0.25));
   p = multiply_add(x, p, Real(1.0 / 3));
   p = multiply_add(x, p, Real(0.5));

@@ -43,13 +43,14 @@ enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
 
 /// What a batch's walks add up to.
 struct LaneSums {
-  /// Walks [WalkEnd][order], orders from 4 on together.
+  /// Walks [WalkEnd][order], orders from 4 on together. Of walks without weights and colour that
+  /// are counted in cells, `cells` has those that left and, behind the cells, the others.
   std::uint64_t* ends = nullptr;
   /// Weights of walks at their end [channel][WalkEnd][order] in units of 1 / kPointUnits; only if
   /// the task has weights or three channels.
   std::int64_t* weights = nullptr;
-  /// cells_counted: walks, or the weights of walks, [channel][slot][target], and one place more for
-  /// what is not counted.
+  /// cells_counted: walks [slot][target] and, behind them, as `ends`; or the weights of walks
+  /// [channel][slot][target].
   std::int64_t* cells = nullptr;
   /// Next event: p(w_i -> w_o) exp(-tau) (on cells, over |mu_o|) times the weight, if the task has
   /// weights or three channels: [slot][channel][place].
@@ -57,8 +58,8 @@ struct LaneSums {
   /// Steps taken times lanes, and how many of these lanes were at an event of a walk.
   std::uint64_t lane_steps = 0, busy_lane_steps = 0;
   std::uint64_t reflections = 0;  ///< the substrate's among them
-  /// 1 + the index of a walk that met a number that is not finite.
-  std::uint64_t bad_walk = 0;
+  /// False where a walk met a number that is not finite.
+  bool finite = true;
 };
 
 /// Walks of one batch. Walk j of `walks` has the index (index_high, index_low + j index_stride),

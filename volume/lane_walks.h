@@ -11,7 +11,7 @@ namespace lamella::LAMELLA_ISA {
 
 inline constexpr int kLanes = Floats::kCount;
 
-/// Random numbers of walks whose indices share their upper half.
+/// Blocks of random words of walks whose indices share their upper half.
 struct LaneNumbers {
   std::uint32_t key0, key1;
   Words index_high;
@@ -25,42 +25,46 @@ struct LaneNumbers {
 };
 
 /// Walks that are about to have their first collision, made many at once, for lanes that fall free.
-template <int C>
+template <int C, class Set, class Score>
 struct LanePool {
   static constexpr int kSize = 256;
+  static constexpr bool kDeath = C == 0, kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
   int from = 0, to = 0;
   std::uint32_t made = 0;  // walks begun so far
   std::uint64_t uncollided = 0;
+  alignas(64) std::uint32_t numbers[4][kSize + 2 * kLanes];
   alignas(64) std::uint32_t index[kSize + 2 * kLanes];
   alignas(64) std::uint32_t death[kSize + 2 * kLanes];
   alignas(64) std::uint32_t layer[kSize + 2 * kLanes];
   alignas(64) float y[kSize + 2 * kLanes];
 
   // Fills up to kSize, until the walks of the task are used up.
-  template <class Set>
   [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
     const int left = to - from;
     for (int k = 0; k < left; k += kLanes) {
-      Words::load(index + from + k).store(index + k);
-      if constexpr (C == 0) Words::load(death + from + k).store(death + k);
-      if constexpr (!Set::kSingle) Words::load(layer + from + k).store(layer + k);
+      for (auto& word : numbers) Words::load(word + from + k).store(word + k);
+      if constexpr (kIndex) Words::load(index + from + k).store(index + k);
+      if constexpr (kDeath) Words::load(death + from + k).store(death + k);
+      if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
       Floats::load(y + from + k).store(y + k);
     }
     from = 0;
     to = left;
-    const LaneNumbers numbers(t);
+    const LaneNumbers blocks(t);
     while (to < kSize && made < t.walks) {
       const std::uint32_t rest = t.walks - made;
       const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
       LaneState<Floats, C> w;
       const Words place = Words(made) + Words::iota();
       w.index = Words(t.index_low) + Words(hn::Mul(place.v, Words(t.index_stride).v));
-      const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n), numbers);
+      w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
+      const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n));
       const int found = count(hits);
       uncollided += static_cast<std::uint64_t>(n - found);
-      store_compressed(w.index, hits, index + to);
-      if constexpr (C == 0) store_compressed(w.death, hits, death + to);
-      if constexpr (!Set::kSingle) store_compressed(w.layer, hits, layer + to);
+      for (int k = 0; k < 4; ++k) store_compressed(w.numbers.s[k], hits, numbers[k] + to);
+      if constexpr (kIndex) store_compressed(w.index, hits, index + to);
+      if constexpr (kDeath) store_compressed(w.death, hits, death + to);
+      if constexpr (kLayer) store_compressed(w.layer, hits, layer + to);
       store_compressed(w.y, hits, y + to);
       to += found;
       made += static_cast<std::uint32_t>(n);
@@ -71,13 +75,16 @@ struct LanePool {
 /// Walks that ended, until there are enough of them to count them at a stretch.
 template <int C>
 struct EndedWalks {
-  static constexpr int kSize = 512;
+  static constexpr int kSize = 512, kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
   int size = 0;
-  alignas(64) std::uint32_t code[kSize + 2 * kLanes];  // WalkEnd + 4 order
-  alignas(64) float x[kSize + 2 * kLanes];             // w_i of the last flight
+  alignas(64) std::uint32_t code[kSize + 2 * kLanes];
+  alignas(64) float x[kSize + 2 * kLanes];  // w_i of the last flight
   alignas(64) float y[kSize + 2 * kLanes];
   alignas(64) float z[kSize + 2 * kLanes];
   alignas(64) float weight[C > 0 ? C : 1][kSize + 2 * kLanes];
+  bool finite = true;
+  // Per lane, so that no counter waits for itself.
+  std::uint32_t counted[kPlaces][kLanes] = {};
 
   [[gnu::noinline]] void count_all(const LaneWalkTask& t, LaneSums& sums) {
     const bool cells = t.estimate == LaneEstimate::cells_counted;
@@ -86,19 +93,23 @@ struct EndedWalks {
     alignas(64) std::uint32_t place[kLanes], target[kLanes], orders[kLanes];
     for (int k = 0; k < size; k += kLanes) {
       const int n = size - k < kLanes ? size - k : kLanes;
-      const Words c = Words::load(code + k), end = c & Words(3u), order = shift_right<2>(c);
-      (end * Words(kRouletteOrder + 1) + min(order, Words(kRouletteOrder))).store(place);
-      for (int j = 0; j < n; ++j) ++sums.ends[place[j]];
+      const LaneEnd<Words> of(Words::load(code + k), t.walk.max_order);
+      const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
+      at.store(place);
       if (cells) {
-        targets_of(t, k, end, order, nowhere).store(target);
-        if (!t.weighs())
+        targets_of(t, k, of, Words(nowhere) + at).store(target);
+        const Floats flat = Floats::load(x + k) + Floats::load(y + k);
+        finite = finite && !any(!equal(flat * Floats(0), Floats(0)) & first_lanes<float>(n));
+        if (!t.weighs()) {  // a walk in a cell is counted nowhere else
           for (int j = 0; j < n; ++j) ++sums.cells[target[j]];
+          continue;
+        }
       }
+      for (int j = 0; j < n; ++j) ++counted[place[j]][j];
       if (!t.weighs()) continue;
-      min(order, Words(t.order_cap)).store(orders);
+      min(of.order, Words(t.order_cap)).store(orders);
       for (int channel = 0; channel < t.channels; ++channel) {
-        std::int64_t* weights =
-            sums.weights + channel * kWalkEnds * static_cast<int>(kRouletteOrder + 1);
+        std::int64_t* weights = sums.weights + channel * kPlaces;
         const int first_cell = channel * nowhere;
         for (int j = 0; j < n; ++j) {
           const std::int64_t w =
@@ -106,20 +117,23 @@ struct EndedWalks {
                     : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
                                    orders[j]];
           weights[place[j]] += w;
-          // The place beyond all channels' is nobody's.
-          if (cells)
-            sums.cells[target[j] == static_cast<std::uint32_t>(nowhere)
-                           ? t.channels * nowhere
-                           : first_cell + static_cast<int>(target[j])] += w;
+          if (cells && target[j] < static_cast<std::uint32_t>(nowhere))
+            sums.cells[first_cell + static_cast<int>(target[j])] += w;
         }
       }
     }
     size = 0;
   }
 
+  void add_counts(LaneSums& sums) const {
+    for (int place = 0; place < kPlaces; ++place)
+      for (const std::uint32_t n : counted[place]) sums.ends[place] += n;
+  }
+
  private:
-  LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, Words end, Words order,
-                                  int nowhere) const {
+  // [slot][target], or `elsewhere`.
+  LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, const LaneEnd<Words>& of,
+                                  Words elsewhere) const {
     const Floats wz = Floats::load(z + k);
     // w_o = -w_i: half a turn further than w_i.
     Floats turns =
@@ -129,82 +143,82 @@ struct EndedWalks {
     const Floats row =
         min(nonnegative((Floats(1) - wz * wz) * Floats(t.cells.rows)), Floats(t.cells.rows - 0.5f));
     const Floats column = min(turns * Floats(t.cells.phi_cells), Floats(t.cells.columns - 0.5f));
-    const WordMask down = equal(end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
+    const WordMask down = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
     const WordMask left =
-        (order > Words(0u)) &
-        (end <
+        (of.order > Words(0u)) &
+        (of.end <
          Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed : WalkEnd::down)));
     const int cells = t.cells.rows * t.cells.columns;
     const Words below = select(down, Words(cells), Words(0u));
-    const Words slot = max(min(order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
+    const Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
     const Words target = to_words(row) * Words(t.cells.columns) + to_words(column) + below +
                          slot * Words(t.cells.both_sides ? 2 * cells : cells);
-    return select(left, target, Words(nowhere));
+    return select(left, target, elsewhere);
   }
 };
 
-/// The walks of a task. The numbers of an event are those of (seed, walk, step), so that it does
-/// not matter when and where it happens.
+/// The walks of a task. The numbers of a walk are those of (seed, walk), so that it does not matter
+/// when and where it happens.
 template <int C, class Set, class Score>
 [[gnu::noinline]] void walks_of(const LaneWalkTask& t, LaneSums& sums, const Score& score) {
   const Set set(t.walk);
-  const LaneNumbers numbers(t);
   const Vec3<Floats> incident{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
-  LanePool<C> pool;
+  LanePool<C, Set, Score> pool;
   EndedWalks<C> ended;
   std::uint64_t steps = 0, busy = 0, reflected = 0;
-  FloatMask bad = first_lanes<float>(0);
-  Words bad_walk(0u);
+  // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
+  // event wrong with z, and at the last one count_all sees it. Depths follow: they are never 0
+  // times infinity, as 1 / sigma and lengths of flights are finite.
+  Floats poison(0);
   // Two sets of lanes that know nothing of each other: while one waits for its numbers, the other's
   // are computed.
   constexpr int kSets = 2;
   struct Walks {
     LaneState<Floats, C> state;
-    FloatMask active, free;
+    FloatMask active;
   };
   Walks all[kSets];
   for (Walks& w : all) {
     w.state.wi = incident;
     w.state.y = Floats(0);
-    w.state.layer = w.state.order = w.state.index = w.state.step = Words(0u);
+    w.state.layer = w.state.order = w.state.index = Words(0u);
+    w.state.numbers.s[0] = w.state.numbers.s[1] = Words(0u);
+    w.state.numbers.s[2] = w.state.numbers.s[3] = Words(0u);
     w.state.death = Words(1u);
     for (Floats& weight : w.state.weight) weight = Floats(1);
     w.active = first_lanes<float>(0);
-    w.free = first_lanes<float>(kLanes);
   }
   pool.fill(t, set);
 
   const auto refill = [&](Walks& walks) LAMELLA_INLINE_LAMBDA {
     LaneState<Floats, C>& w = walks.state;
     const int available = pool.to - pool.from;
-    const Words rank = rank_of(walks.free);
-    const FloatMask take =
-        walks.free & to_float_mask(rank < Words(static_cast<std::uint32_t>(available)));
+    FloatMask take = !walks.active;
+    const Words rank = rank_of(take);
+    if (available < kLanes)
+      take = take & to_float_mask(rank < Words(static_cast<std::uint32_t>(available)));
     const WordMask words = to_word_mask(take);
     const auto word = [&](const std::uint32_t* from, Words old) LAMELLA_INLINE_LAMBDA {
       return select(words, permute(Words::load(from + pool.from), rank), old);
     };
-    w.index = word(pool.index, w.index);
-    if constexpr (C == 0) w.death = word(pool.death, w.death);
-    if constexpr (!Set::kSingle) w.layer = word(pool.layer, w.layer);
+    for (int k = 0; k < 4; ++k) w.numbers.s[k] = word(pool.numbers[k], w.numbers.s[k]);
+    if constexpr (pool.kIndex) w.index = word(pool.index, w.index);
+    if constexpr (pool.kDeath) w.death = word(pool.death, w.death);
+    if constexpr (pool.kLayer) w.layer = word(pool.layer, w.layer);
     w.y = select(take, permute(Floats::load(pool.y + pool.from), rank), w.y);
     w.order = select(words, Words(0u), w.order);
-    if constexpr (Set::kCountsSteps) w.step = select(words, Words(0u), w.step);
     if constexpr (C > 0)
       for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
     w.wi = select(take, incident, w.wi);
-    walks.active = (walks.active & !walks.free) | take;
+    walks.active = walks.active | take;
     pool.from += count(take);
     if (pool.to - pool.from < kLanes) pool.fill(t, set);
   };
 
   const auto advance = [&](Walks& walks) LAMELLA_INLINE_LAMBDA {
     LaneState<Floats, C>& w = walks.state;
-    const auto [ends, code, events, reflections] =
-        step<C>(t.walk, set, w, walks.active, score, numbers);
-    const FloatMask wrong = ends & !(abs(w.wi.x + w.wi.y + w.wi.z + w.y) < Floats(1e35f));
-    bad = bad | wrong;
-    bad_walk = select(to_word_mask(wrong), w.index, bad_walk);
+    const auto [ends, code, events, reflections] = step<C>(t.walk, set, w, walks.active, score);
+    poison = multiply_add(w.wi.z, Floats(0), poison);
     store_compressed(code, ends, ended.code + ended.size);
     if (t.estimate == LaneEstimate::cells_counted) {
       store_compressed(w.wi.x, ends, ended.x + ended.size);
@@ -215,7 +229,7 @@ template <int C, class Set, class Score>
       for (int c = 0; c < C; ++c) store_compressed(w.weight[c], ends, ended.weight[c] + ended.size);
     ended.size += count(ends);
     if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
-    walks.free = ends | !walks.active;
+    walks.active = without(walks.active, ends);
     busy += static_cast<std::uint64_t>(count(events));
     if constexpr (!Set::kSingle) reflected += static_cast<std::uint64_t>(count(reflections));
   };
@@ -231,6 +245,8 @@ template <int C, class Set, class Score>
     steps += kSets;
   }
   ended.count_all(t, sums);
+  ended.add_counts(sums);
+  score.finish();
   const auto straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
   const int place = straight * static_cast<int>(kRouletteOrder + 1);
   sums.ends[place] += pool.uncollided;
@@ -240,11 +256,7 @@ template <int C, class Set, class Score>
   sums.lane_steps += steps * static_cast<std::uint64_t>(kLanes);
   sums.busy_lane_steps += busy;
   sums.reflections += reflected;
-  if (any(bad)) {
-    alignas(64) std::uint32_t walk[kLanes];
-    bad_walk.store(walk);
-    sums.bad_walk = (std::uint64_t{t.index_high} << 32) + walk[__builtin_ctz(mask_bits(bad))] + 1;
-  }
+  sums.finite = sums.finite && ended.finite && !any(!equal(poison, Floats(0)));
 }
 
 }  // namespace lamella::LAMELLA_ISA

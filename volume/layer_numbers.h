@@ -26,15 +26,15 @@ enum LayerField {
   kA,            ///< SGGX: A of S = A A^T: a00 a10 a11 a20 a21 a22; particles: the unit matrix
   kInverse = 9,  ///< SGGX: A^-1 likewise
   kDensityScale = 15,  ///< SGGX mirrors: 1 / (4 pi det A); vMF mirrors: D(axis) / 4
-  kAxis,               ///< vMF: mean normal, x y z
-  kFront = 19,         ///< vMF: sigma(1)
+  kUp,                 ///< vMF: 1 or -1, z of the mean normal
+  kFront,              ///< vMF: sigma(1)
   kBack,               ///< vMF: sigma(-1)
   kSide,               ///< vMF: sigma(0)
   kKappa,              ///< vMF
   kTable,              ///< vMF: where its tables begin, in pieces
   kAlbedo,             ///< three channels
-  kF0 = 27,            ///< likewise; 1 where there is no Fresnel factor
-  kLayerFields = 30
+  kF0 = kAlbedo + 3,   ///< likewise; 1 where there is no Fresnel factor
+  kLayerFields = kF0 + 3
 };
 
 /// The layers of a stack from the top, in float for lanes and in double for their reference.

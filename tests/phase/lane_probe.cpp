@@ -25,10 +25,12 @@ void probe_turns(const float* y, const float* x, float* turns, std::size_t count
     turns_of(Floats::load(y + i), Floats::load(x + i)).store(turns + i);
 }
 
-void probe_reciprocals(const float* x, float* inverse, float* inverse_root, std::size_t count) {
+void probe_reciprocals(const float* x, float* inverse, float* inverse_root, float* cube_root,
+                       std::size_t count) {
   for (std::size_t i = 0; i < count; i += kStep) {
     reciprocal(Floats::load(x + i)).store(inverse + i);
     reciprocal_sqrt(Floats::load(x + i)).store(inverse_root + i);
+    cbrt(Floats::load(x + i)).store(cube_root + i);
   }
 }
 
@@ -49,16 +51,36 @@ void probe_angles(const double* sine, const double* cosine, double* angle, std::
 }
 
 void probe_philox(std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,
-                  std::uint32_t purpose, std::uint32_t* words, float* uniform, float* rest,
-                  float* fine, std::size_t count) {
+                  std::uint32_t purpose, std::uint32_t* words, std::size_t count) {
   for (std::size_t i = 0; i < count; i += kStep) {
     const WordBlock block =
         philox(Words::load(c0 + i), Words(purpose), Words::load(c2 + i), Words(0u),
                static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32));
     for (std::size_t k = 0; k < 4; ++k) block.w[k].store(words + k * count + i);
-    uniform_of(block.w[0]).store(uniform + i);
-    uniform_of_rest(block.w[1], block.w[2], block.w[3]).store(rest + i);
-    fine_uniform_of(block.w[0]).store(fine + i);
+  }
+}
+
+void probe_walk_numbers(const std::uint32_t* state, std::uint32_t* words, std::size_t count,
+                        std::size_t draws) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    WordBlock block;
+    for (std::size_t k = 0; k < 4; ++k) block.w[k] = Words::load(state + k * count + i);
+    WalkNumbers<Words> numbers(block);
+    for (std::size_t k = 0; k < draws; ++k) numbers.next().store(words + k * count + i);
+  }
+}
+
+void probe_words(const std::uint32_t* words, float* uniform, float* signed_uniform, float* fine,
+                 float* exponential, float* sine, float* cosine, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Words bits = Words::load(words + i);
+    uniform_of(bits).store(uniform + i);
+    signed_uniform_of(bits).store(signed_uniform + i);
+    fine_uniform_of(bits).store(fine + i);
+    exponential_of(bits).store(exponential + i);
+    const auto [s, c] = azimuth_of(bits);
+    s.store(sine + i);
+    c.store(cosine + i);
   }
 }
 

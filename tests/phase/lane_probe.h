@@ -15,7 +15,7 @@ LAMELLA_LANE_FUNCTION(void, probe_math,
 LAMELLA_LANE_FUNCTION(void, probe_turns,
                       (const float* y, const float* x, float* turns, std::size_t count))
 LAMELLA_LANE_FUNCTION(void, probe_reciprocals,
-                      (const float* x, float* reciprocal, float* reciprocal_sqrt,
+                      (const float* x, float* reciprocal, float* reciprocal_sqrt, float* cube_root,
                        std::size_t count))
 /// phase/double_lanes.h; log of |x|, exp of x.
 LAMELLA_LANE_FUNCTION(void, probe_double_math,
@@ -26,8 +26,16 @@ LAMELLA_LANE_FUNCTION(void, probe_angles,
 /// words: four per counter, one after the other.
 LAMELLA_LANE_FUNCTION(void, probe_philox,
                       (std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,
-                       std::uint32_t purpose, std::uint32_t* words, float* uniform, float* rest,
-                       float* fine, std::size_t count))
+                       std::uint32_t purpose, std::uint32_t* words, std::size_t count))
+/// state: four words per walk, one after the other; words: likewise `draws` of them.
+LAMELLA_LANE_FUNCTION(void, probe_walk_numbers,
+                      (const std::uint32_t* state, std::uint32_t* words, std::size_t count,
+                       std::size_t draws))
+/// What is drawn from words.
+LAMELLA_LANE_FUNCTION(void, probe_words,
+                      (const std::uint32_t* words, float* uniform, float* signed_uniform,
+                       float* fine, float* exponential, float* sine, float* cosine,
+                       std::size_t count))
 /// Bit k of masks[i] is the condition of lane k of group i: the chosen lanes of x in order, the
 /// ranks, and x permuted by them. Returns the lanes of a group.
 LAMELLA_LANE_FUNCTION(int, probe_masks,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "phase/block_random.h"
 #include "phase/random.h"
 #include "tests/phase/lane_probe.h"
 
@@ -78,12 +79,14 @@ TEST_P(Lanes, TurnsKeepTheirStatedErrorAllAround) {
 
 TEST_P(Lanes, ReciprocalsKeepTheirStatedErrors) {
   for (const auto& x : {spread(0.5, 2), spread(1e-30, 1e-28), spread(1e25, 1e29)}) {
-    std::vector<float> inverse(kMany), root(kMany);
-    probe_reciprocals_for(GetParam())(x.data(), inverse.data(), root.data(), kMany);
+    std::vector<float> inverse(kMany), root(kMany), cube_root(kMany);
+    probe_reciprocals_for(GetParam())(x.data(), inverse.data(), root.data(), cube_root.data(),
+                                      kMany);
     for (std::size_t i = 0; i < kMany; ++i) {
       const double v = x[i];
       EXPECT_NEAR(inverse[i] * v, 1, 3e-7);
       EXPECT_NEAR(root[i] * std::sqrt(v), 1, 3e-7);
+      EXPECT_NEAR(cube_root[i] / std::cbrt(v), 1, 4e-7);
     }
   }
 }
@@ -92,24 +95,61 @@ TEST_P(Lanes, PhiloxGivesTheNumbersOfTheScalarStream) {
   constexpr std::size_t count = 256;
   constexpr std::uint64_t seed = 0x123456789abcdefULL;
   std::vector<std::uint32_t> c0(count), c2(count), words(4 * count);
-  std::vector<float> uniform(count), rest(count), fine(count);
   for (std::size_t i = 0; i < count; ++i) {
     c0[i] = static_cast<std::uint32_t>(i % 3);
     c2[i] = static_cast<std::uint32_t>(0x9e3779b9u * i);
   }
   probe_philox_for(GetParam())(seed, c0.data(), c2.data(),
                                static_cast<std::uint32_t>(StreamPurpose::test), words.data(),
-                               uniform.data(), rest.data(), fine.data(), count);
+                               count);
   for (std::size_t i = 0; i < count; ++i) {
     RandomStream stream(seed, c2[i], StreamPurpose::test);
     for (std::uint32_t skipped = 0; skipped < 4 * c0[i]; ++skipped) (void)stream.bits();
-    std::uint32_t w[4];
-    for (auto& word : w) word = stream.bits();
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(words[k * count + i], w[k]);
-    EXPECT_EQ(uniform[i], static_cast<float>(((w[0] >> 9) + 0.5) * 0x1p-23));
-    const std::uint32_t low = (w[1] & 511) | (w[2] & 511) << 9 | (w[3] & 31) << 18;
-    EXPECT_EQ(rest[i], static_cast<float>((low + 0.5) * 0x1p-23));
-    EXPECT_NEAR(fine[i] / ((w[0] + 0.5) * 0x1p-32), 1, 2e-7);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(words[k * count + i], stream.bits());
+  }
+}
+
+TEST_P(Lanes, NumbersOfAWalkAreThoseOfTheScalarGenerator) {
+  constexpr std::size_t count = 64, draws = 40;
+  std::vector<std::uint32_t> state(4 * count), words(draws * count);
+  RandomStream stream(5, 0, StreamPurpose::test);
+  for (auto& word : state) word = stream.bits();
+  probe_walk_numbers_for(GetParam())(state.data(), words.data(), count, draws);
+  for (std::size_t i = 0; i < count; ++i) {
+    WordBlock<std::uint32_t> block;
+    for (std::size_t k = 0; k < 4; ++k) block.w[k] = state[k * count + i];
+    WalkNumbers<std::uint32_t> numbers(block);
+    for (std::size_t k = 0; k < draws; ++k) ASSERT_EQ(words[k * count + i], numbers.next());
+  }
+}
+
+TEST_P(Lanes, WhatIsDrawnFromWordsKeepsItsStatedErrors) {
+  std::vector<std::uint32_t> words(kMany);
+  RandomStream stream(6, 0, StreamPurpose::test);
+  for (auto& word : words) word = stream.bits();
+  // The ends: the shortest and the longest flights, both poles.
+  for (std::uint32_t k = 0; k < 1024; ++k) {
+    words[k] = k;
+    words[1024 + k] = 0xFFFFFFFFu - k;
+    words[2048 + k] = 0x7FFFFFFFu - k;
+    words[3072 + k] = 0x80000000u + k;
+    words[4096 + k] = 0xFFFFFFFFu - (k << 20);
+  }
+  std::vector<float> uniform(kMany), both(kMany), fine(kMany), flight(kMany), sine(kMany),
+      cosine(kMany);
+  probe_words_for(GetParam())(words.data(), uniform.data(), both.data(), fine.data(), flight.data(),
+                              sine.data(), cosine.data(), kMany);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    EXPECT_EQ(uniform[i], static_cast<float>(uniform_of(words[i])));
+    EXPECT_EQ(both[i], static_cast<float>(signed_uniform_of(words[i])));
+    EXPECT_NEAR(fine[i] / fine_uniform_of(words[i]), 1, 2e-7);
+    // The logarithm's error, apart from that of the rounded number that it is taken of.
+    const double exact = -std::log(static_cast<double>(fine[i]));
+    EXPECT_NEAR(flight[i], exact, 1.2e-7 * std::max(1.0, exact)) << words[i];
+    EXPECT_GE(flight[i], 0) << words[i];
+    const auto [s, c] = azimuth_of(words[i]);
+    EXPECT_NEAR(sine[i], s, 4e-7) << words[i];
+    EXPECT_NEAR(cosine[i], c, 4e-7) << words[i];
   }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 
+#include "phase/block_random.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella::testing {
@@ -101,6 +102,16 @@ TEST(RandomStream, ExponentialHasMeanVarianceAndTailOfOne) {
   for (const double v : values)
     observed[std::min(static_cast<int>(std::exp(-v) * kCells), kCells - 1)] += 1;
   EXPECT_GE(chi_square_p_value(observed, expected), test_level());
+}
+
+// The first numbers of the authors' xoshiro128plusplus.c from the state 1, 2, 3, 4.
+TEST(WalkNumbers, AreThoseOfXoshiro128PlusPlus) {
+  const WordBlock<std::uint32_t> state{{1, 2, 3, 4}};
+  WalkNumbers<std::uint32_t> numbers(state);
+  for (const std::uint32_t expected :
+       {641u, 1573767u, 3222811527u, 3517856514u, 836907274u, 4247214768u, 3867114732u, 1355841295u,
+        495546011u, 621204420u})
+    EXPECT_EQ(numbers.next(), expected);
 }
 
 }  // namespace
