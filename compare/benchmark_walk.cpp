@@ -15,12 +15,15 @@ struct Task {
   const char* name;
   TextbookTally tally;
   int points;
+  TextbookGenerator generator = TextbookGenerator::pcg32;
 };
-constexpr Task kTasks[] = {{"walk", TextbookTally::none, 0},
-                           {"walk+cells", TextbookTally::cells, 0},
-                           {"nee1", TextbookTally::points, 1},
-                           {"nee16", TextbookTally::points, 16},
-                           {"nee64", TextbookTally::points, 64}};
+constexpr Task kTasks[] = {
+    {"walk", TextbookTally::none, 0},
+    {"walk+cells", TextbookTally::cells, 0},
+    {"nee1", TextbookTally::points, 1},
+    {"nee16", TextbookTally::points, 16},
+    {"nee64", TextbookTally::points, 64},
+    {"walk+cells/engine's generator", TextbookTally::cells, 0, TextbookGenerator::engine}};
 
 // Mean relative standard error of all orders together over the targets that have met light.
 double mean_target_error(const Simulation& simulation, int targets) {
@@ -74,7 +77,7 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
       task.tally == TextbookTally::cells
           ? std::make_unique<Simulation>(stack, plan, wi, Estimator::analog, kCells, seed)
           : std::make_unique<Simulation>(stack, plan, wi, points, seed);
-  TextbookWalk textbook(which.textbook, wi, task.tally, points, seed);
+  TextbookWalk textbook(which.textbook, wi, task.tally, points, seed, task.generator);
 
   const auto engine = [&](std::uint64_t n) { simulation->advance(simulation->walks() + n); };
   const std::uint64_t walks = calibrate(effort.repetition_seconds, engine);
@@ -95,6 +98,8 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
                   : (task.tally == TextbookTally::cells ? simulation->targets().grid.cells() : 0);
   row.error = targets ? mean_target_error(*simulation, targets) : reflected_error(*simulation);
   row.baseline = describe(which.textbook.medium);
+  if (task.generator == TextbookGenerator::engine)
+    row.baseline.replace(row.baseline.find("pcg32"), 5, "the engine's generator");
   row.ratio_to_baseline = times.median_ratio() * collisions / textbook_collisions;
   row.extra = {{"walks", simulation->walks()}, {"isa", to_text(simulation->isa())}};
   if (const auto occupancy = simulation->lane_occupancy()) row.extra["lane_occupancy"] = *occupancy;

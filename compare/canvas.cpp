@@ -147,7 +147,9 @@ std::vector<std::string> wrapped(std::string_view utf8, Font font, int width) {
     const std::size_t end = std::min(utf8.find(' '), utf8.size());
     const std::string word(utf8.substr(0, end));
     utf8.remove_prefix(std::min(end + 1, utf8.size()));
-    const std::string longer = line.empty() ? word : line + ' ' + word;
+    std::string longer = line;
+    if (!line.empty()) longer += ' ';
+    longer += word;
     if (text_width(longer, font) <= width) {
       line = longer;
       continue;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "phase/block_random.h"
+#include "phase/random.h"
 #include "phase/vmf.h"
 
 namespace lamella {
@@ -22,6 +24,21 @@ struct Pcg32 {
     return (xorshifted >> rotation) | (xorshifted << ((32 - rotation) & 31));
   }
   double uniform() { return (bits() + 0.5) * 0x1p-32; }
+  void begin_walk(std::uint64_t) {}
+};
+
+// The generator of the engine's lanes: a stream per walk.
+struct EngineNumbers {
+  std::uint64_t seed;
+  WalkNumbers<std::uint32_t> numbers{};
+
+  double uniform() { return (numbers.next() + 0.5) * 0x1p-32; }
+  void begin_walk(std::uint64_t walk) {
+    RandomStream stream(seed, walk, StreamPurpose::walk);
+    WordBlock<std::uint32_t> state;
+    for (std::uint32_t& word : state.w) word = stream.bits();
+    numbers = WalkNumbers<std::uint32_t>(state);
+  }
 };
 
 // The direction with the given local coordinates in a frame about n (Duff et al. 2017).
@@ -46,13 +63,13 @@ struct LambertSpheres {
   struct Event {};
   static double majorant(Direction) { return 1; }
   static double out_sigma(Direction) { return 1; }
-  static bool hit(Direction, Event&, Pcg32&) { return true; }
+  static bool hit(Direction, Event&, auto&) { return true; }
   static double density(Direction wi, const Event&, Direction wo) {
     const double cosine = std::clamp(-dot(wi, wo), -1.0, 1.0);
     const double theta = std::acos(cosine);
     return 2 * (std::sqrt(1 - cosine * cosine) - theta * cosine) / (3 * kPi * kPi);
   }
-  static Direction sample(Direction wi, const Event&, Pcg32& rng) {
+  static Direction sample(Direction wi, const Event&, auto& rng) {
     const double u1 = rng.uniform(), u2 = rng.uniform(), u3 = rng.uniform();
     const double cosine =
         std::sqrt((1 - u1) * (1 - u2)) * std::sin(2 * kPi * u3) - std::sqrt(u1 * u2);
@@ -66,12 +83,12 @@ struct HenyeyGreensteins {
   struct Event {};
   static double majorant(Direction) { return 1; }
   static double out_sigma(Direction) { return 1; }
-  static bool hit(Direction, Event&, Pcg32&) { return true; }
+  static bool hit(Direction, Event&, auto&) { return true; }
   double density(Direction wi, const Event&, Direction wo) const {
     const double base = 1 + g * g + 2 * g * dot(wi, wo);
     return (1 - g * g) / (4 * kPi * base * std::sqrt(base));
   }
-  Direction sample(Direction wi, const Event&, Pcg32& rng) const {
+  Direction sample(Direction wi, const Event&, auto& rng) const {
     const double q = (1 - g * g) / (1 - g + 2 * g * rng.uniform());
     return around(-wi, (1 + g * g - q * q) / (2 * g), rng.uniform());
   }
@@ -86,14 +103,14 @@ struct SggxMirrors {
     return std::sqrt(xx * w.x * w.x + yy * w.y * w.y + zz * w.z * w.z);
   }
   double majorant(Direction w) const { return out_sigma(w); }
-  static bool hit(Direction, Event&, Pcg32&) { return true; }
+  static bool hit(Direction, Event&, auto&) { return true; }
   double density(Direction wi, const Event&, Direction wo) const {
     const Direction m = normalized(wi + wo);
     const double q = m.x * m.x / xx + m.y * m.y / yy + m.z * m.z / zz;
     return 1 / (kPi * std::sqrt(xx * yy * zz) * q * q) / (4 * out_sigma(wi));
   }
   // Heitz et al. 2015, the listing of its supplement for a general S.
-  Direction sample(Direction wi, const Event&, Pcg32& rng) const {
+  Direction sample(Direction wi, const Event&, auto& rng) const {
     const double r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
     const double u = r * std::cos(phi), v = r * std::sin(phi);
     const double w = std::sqrt(std::max(0.0, 1 - u * u - v * v));
@@ -126,7 +143,7 @@ struct VmfLambertians {
   };
   static double majorant(Direction) { return 1; }
   double out_sigma(Direction w) const { return vmf_sigma(w.z, alpha); }  // set up once
-  bool hit(Direction wi, Event& event, Pcg32& rng) const {
+  bool hit(Direction wi, Event& event, auto& rng) const {
     const double u = rng.uniform();
     const double cosine = 1 + std::log(u + (1 - u) * tail) / kappa;
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
@@ -137,7 +154,7 @@ struct VmfLambertians {
   static double density(Direction, const Event& event, Direction wo) {
     return std::max(0.0, dot(event.normal, wo)) / kPi;
   }
-  static Direction sample(Direction, const Event& event, Pcg32& rng) {
+  static Direction sample(Direction, const Event& event, auto& rng) {
     const double r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
     return normalized(from_frame(event.normal, r * std::cos(phi), r * std::sin(phi),
                                  std::sqrt(std::max(0.0, 1 - r * r))));
@@ -167,11 +184,14 @@ double TextbookResult::reflected_error() const {
 }
 
 TextbookWalk::TextbookWalk(const TextbookCase& what, Direction wi, TextbookTally tally,
-                           std::vector<Direction> points, std::uint64_t seed)
+                           std::vector<Direction> points, std::uint64_t seed,
+                           TextbookGenerator generator)
     : case_(what),
       wi_(wi),
       tally_(tally),
       points_(std::move(points)),
+      generator_(generator),
+      seed_(seed),
       state_(seed * 0x9E3779B97F4A7C15ULL),
       increment_(2 * seed + 1) {
   const std::size_t targets = tally == TextbookTally::cells ? kMuCells * kPhiCells : points_.size();
@@ -183,18 +203,26 @@ TextbookWalk::TextbookWalk(const TextbookCase& what, Direction wi, TextbookTally
 }
 
 void TextbookWalk::advance(std::uint64_t walks) {
-  with_medium(case_, [&](const auto& medium) { loop(medium, walks); });
+  with_medium(case_, [&](const auto& medium) {
+    if (generator_ == TextbookGenerator::engine) {
+      EngineNumbers rng{seed_};
+      return loop(medium, rng, walks);
+    }
+    Pcg32 rng{state_, increment_};
+    loop(medium, rng, walks);
+    state_ = rng.state;
+  });
 }
 
-template <class Medium>
-void TextbookWalk::loop(const Medium& medium, std::uint64_t walks) {
-  Pcg32 rng{state_, increment_};
+template <class Medium, class Generator>
+void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walks) {
   const double depth = case_.depth, albedo = case_.albedo;
   const double cells_per_sr = kMuCells * kPhiCells / kPi;
   const std::size_t points = points_.size();
   std::vector<double> f(points);  // of the walk at hand
   std::uint64_t collisions = 0;
   for (std::uint64_t walk = 0; walk < walks; ++walk) {
+    rng.begin_walk(result_.walks + walk);
     Direction wi = wi_;
     double y = 0, weight = 1;  // depth below the top
     std::fill(f.begin(), f.end(), 0.0);
@@ -237,7 +265,6 @@ void TextbookWalk::loop(const Medium& medium, std::uint64_t walks) {
       result_.f2[row * kPhiCells + column] += value * value;
     }
   }
-  state_ = rng.state;
   result_.walks += walks;
   result_.collisions += collisions;
 }

@@ -11,8 +11,7 @@ namespace lamella {
 /// user would write them from the papers, in scalar double. They share nothing with the engine but
 /// the type of a direction, and have no orders, no ledger, no batches.
 ///
-/// Generator: pcg32 (O'Neill 2014, "PCG: a family of simple fast space-efficient statistically good
-/// algorithms"), one stream for all walks. Weights are the engine's: the weight times the albedo at
+/// Generator: see TextbookGenerator. Weights are the engine's: the weight times the albedo at
 /// each of the first three events, from the fourth on survival with the albedo as probability.
 enum class TextbookMedium {
   lambert_sphere,     ///< d'Eon 2021, eq. 6, for the deflection; a frame about the direction
@@ -26,6 +25,12 @@ struct TextbookCase {
   double parameter;  ///< sggx_mirror: alpha; vmf_lambert: r; henyey_greenstein: g
   double depth;      ///< thickness times density; infinity for a half space
   double albedo;
+};
+
+enum class TextbookGenerator {
+  pcg32,   ///< O'Neill 2014, "PCG: a family of simple fast space-efficient statistically good
+           ///< algorithms"; one stream for all walks
+  engine,  ///< that of the engine's lanes: xoshiro128++, a stream per walk from (seed, walk)
 };
 
 /// What is tallied beside the energies.
@@ -51,20 +56,22 @@ class TextbookWalk {
  public:
   /// Light from above along -wi. `points`: upward directions, for TextbookTally::points.
   TextbookWalk(const TextbookCase& what, Direction wi, TextbookTally tally,
-               std::vector<Direction> points, std::uint64_t seed);
+               std::vector<Direction> points, std::uint64_t seed,
+               TextbookGenerator generator = TextbookGenerator::pcg32);
   void advance(std::uint64_t walks);
   [[nodiscard]] const TextbookResult& result() const { return result_; }
 
  private:
-  template <class Medium>
-  void loop(const Medium& medium, std::uint64_t walks);
+  template <class Medium, class Generator>
+  void loop(const Medium& medium, Generator& rng, std::uint64_t walks);
 
   TextbookCase case_;
   Direction wi_;
   TextbookTally tally_;
   std::vector<Direction> points_;
   std::vector<double> rate_;  // per point: extinction along the way out, over its cosine
-  std::uint64_t state_, increment_;
+  TextbookGenerator generator_;
+  std::uint64_t seed_, state_, increment_;
   TextbookResult result_;
 };
 
