@@ -29,6 +29,9 @@ struct EstimatorChoice {
 [[nodiscard]] std::shared_ptr<const DeterministicSolution> refined(const Stack& stack,
                                                                    const Options& options);
 
+/// Why `auto` took the solver: "the solver reaches 6.9e-08 with 24 nodes and 60 modes".
+[[nodiscard]] std::string reached_by(const DeterministicSolution& solution);
+
 /// For a table: "deterministic estimator (auto: ...), tolerance 1e-6" or "analog estimator, seed
 /// 1".
 [[nodiscard]] std::string estimator_text(const EstimatorChoice& choice, const Options& options);

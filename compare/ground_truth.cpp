@@ -19,6 +19,12 @@ void warn_of_accuracy(const RunResult& run, const Options& options) {
              theta_degrees(run.incident), a.error, a.nodes, a.modes, to_text(options.tolerance));
 }
 
+double worst_bound(const std::vector<RunResult>& solved) {
+  double worst = 0;
+  for (const RunResult& run : solved) worst = std::max(worst, run.accuracy->error);
+  return worst;
+}
+
 }  // namespace
 
 GroundTruth::GroundTruth(const Stack& stack, const Options& options, CellGrid grid,
@@ -52,16 +58,17 @@ const EstimatorChoice& GroundTruth::choice() {
       if (option != "--time")
         fmt::print(stderr, "lamella: warning: {} means nothing to the deterministic estimator\n",
                    option);
-    const auto solve = [&] {
-      solved_ =
-          deterministic_runs(*choice_->solution, plan_, directions_, grid_, options_.tolerance);
-      return std::all_of(solved_.begin(), solved_.end(),
-                         [](const RunResult& run) { return run.accuracy->reached; });
+    const auto solve = [&](const DeterministicSolution& solution) {
+      return deterministic_runs(solution, plan_, directions_, grid_, options_.tolerance);
     };
-    if (!solve() && choice_->solution->accuracy().reached) {
+    solved_ = solve(*choice_->solution);
+    if (worst_bound(solved_) > options_.tolerance && choice_->solution->accuracy().reached) {
       choice_->solution = refined(stack_, options_);
-      solve();
+      solved_ = solve(*choice_->solution);
+      if (options_.estimator == "auto") choice_->reason = reached_by(*choice_->solution);
     }
+    if (options_.estimator == "auto" && worst_bound(solved_) > options_.tolerance)
+      choice_->reason += fmt::format(", but no more than {:.1e} in cells", worst_bound(solved_));
   }
   return *choice_;
 }

@@ -148,7 +148,7 @@ class RowSampler {
     const std::size_t below = mu_o.size();
     if (sides_ == 2)
       for (std::size_t o = 0; o < below; ++o) mu_o.push_back(-mu_o[o]);
-    const DeterministicField field = solution_.field(mu_i_, mu_o);
+    const DeterministicField field = solution_.field(mu_i_, mu_o, true);
     std::vector<Panel> refined;
     std::size_t first = 0;
     for (const Panel& panel : panels) {
