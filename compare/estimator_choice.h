@@ -19,8 +19,9 @@ struct EstimatorChoice {
 /// The estimator asked for, or what `auto` stands for: a walk where an option was given that only
 /// walks have a use for, or where the solver does not apply; else the deterministic solver if it
 /// reaches the tolerance with few enough nodes and modes (which are the same on any machine) to be
-/// done in seconds; else a walk. `of_walks`: the estimator of walks where none is named. Throws
-/// UsageError where the solver is asked for and does not apply.
+/// done in seconds, or is interrupted on the way with what it has; else a walk. `of_walks`: the
+/// estimator of walks where none is named. Throws UsageError where the solver is asked for and does
+/// not apply.
 [[nodiscard]] EstimatorChoice choose_estimator(const Stack& stack, const Options& options,
                                                Estimator of_walks);
 
