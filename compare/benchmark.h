@@ -35,8 +35,11 @@ struct BenchmarkEffort {
   double repetition_seconds = 0.12;  ///< of each walk and each baseline
   double evaluation_seconds = 0.01;  ///< of a closed form, per repetition
   double accuracy_seconds = 1.5;     ///< per stack and estimator
-  Isa isa = Isa::scalar;             ///< of the walks
-  static BenchmarkEffort quick() { return {3, 0.01, 0.001, 0.05}; }
+  /// Of the solver's rows of seconds against digits: a finer solution is begun only if it would end
+  /// within them.
+  double solver_seconds = 15;
+  Isa isa = Isa::scalar;  ///< of the walks
+  static BenchmarkEffort quick() { return {3, 0.01, 0.001, 0.05, 0.2}; }
 };
 
 /// Seconds that the calling thread computed during one call: what other programs take from it does

@@ -51,7 +51,7 @@ BenchmarkRow row_of(std::string what, double seconds, const DeterministicAccurac
 }
 
 // Seconds against digits reached, per medium.
-void measure_digits(bool quick, const ReportRow& report) {
+void measure_digits(bool quick, double seconds_allowed, const ReportRow& report) {
   for (const SolvedStack& solved : solved_stacks())
     for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
       if (quick && tolerance < 1e-4) continue;
@@ -59,7 +59,7 @@ void measure_digits(bool quick, const ReportRow& report) {
       DeterministicAccuracy accuracy;
       const double seconds = seconds_of([&] {
         accuracy =
-            solve_deterministic(stack, {.tolerance = tolerance, .max_seconds = quick ? 0.2 : 15})
+            solve_deterministic(stack, {.tolerance = tolerance, .max_seconds = seconds_allowed})
                 .accuracy();
       });
       report(row_of(fmt::format("{}/solve/{:.0e}", solved.name, tolerance), seconds, accuracy));
@@ -149,7 +149,7 @@ void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
   const bool quick = effort.repetition_seconds < 0.05;
   tbb::task_arena one(1);
   one.execute([&] {
-    measure_digits(quick, report);
+    measure_digits(quick, effort.solver_seconds, report);
     measure_cells(quick, seed, report);
     measure_growth(quick, report);
   });

@@ -77,6 +77,7 @@ int bench_command(const Options& options) {
   if (!options.html.empty()) check_output_file(options.html);
   BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
   effort.isa = isa_of(options);
+  effort.solver_seconds = options.solver_seconds.value_or(effort.solver_seconds);
   std::FILE* out = table_stream(options);
   if (!options.quiet)
     fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", "what", "seconds", "coll./s",
@@ -96,6 +97,7 @@ int bench_command(const Options& options) {
   }
   Json answer = json_header("bench", options);
   answer["quick"] = options.quick;
+  answer["solver_seconds"] = effort.solver_seconds;
   answer["parts"] = measured;
   answer["interrupted"] = interrupted.load();
   answer["rows"] = std::move(rows);

@@ -183,7 +183,7 @@ int compare_command(const Options& options) {
   if (!options.answer_only) make_output_folder(folder);
 
   std::vector<RunResult> runs;
-  for (std::size_t k = 0; k < truth.directions().size() && (k == 0 || !interrupted); ++k) {
+  for (std::size_t k = 0; truth.goes_on(k); ++k) {
     const Truth found = truth.find(k);
     runs.push_back(found.run);
     for (JudgedModel& m : judged)

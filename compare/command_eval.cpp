@@ -178,13 +178,13 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
   }
   Answer answer;
   answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
+  catch_interrupts();
   const EstimatorChoice choice = choose_estimator(*stack, with_seed, Estimator::next_event);
   std::vector<TruthValue> truth;
   if (choice.solution) {
     truth = truth_at(*choice.solution, pairs.pairs);
     warn_of_bounds(truth, *choice.solution, with_seed.tolerance);
   } else {
-    catch_interrupts();
     truth = truth_at(*stack, pairs.pairs, with_seed.walks, options.max_order, with_seed.seed,
                      isa_of(options), &interrupted);
   }
@@ -192,7 +192,9 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
     answer.f.push_back(v.f);
     answer.standard_error.push_back(v.standard_error);
   }
-  if (interrupted) fmt::print(stderr, "lamella: interrupted: fewer walks than asked for, see se\n");
+  if (interrupted)
+    fmt::print(stderr, "lamella: interrupted: {} than asked for, see se\n",
+               choice.solution ? "a coarser solution" : "fewer walks");
   return answer;
 }
 

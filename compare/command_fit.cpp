@@ -63,8 +63,7 @@ int fit_stack(const Options& options) {
   if (!options.output.empty()) check_output_file(options.output);
   GroundTruth truth(stack, options, kFitGrid, Estimator::analog);
   std::vector<RunResult> runs;
-  for (std::size_t k = 0; k < truth.directions().size() && (k == 0 || !interrupted); ++k)
-    runs.push_back(truth.find(k).run);
+  for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
   const SpongecakeFit fit = fit_spongecake(stack, runs);
   std::FILE* out = table_stream(options);
   if (!options.quiet) {

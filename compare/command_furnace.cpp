@@ -116,7 +116,7 @@ int furnace_command(const Options& options) {
   Json answer = json_header("furnace", stack, options);
   Json runs = Json::array();
   std::string overall = "pass";
-  for (std::size_t k = 0; k < directions.size() && (k == 0 || !interrupted); ++k) {
+  for (std::size_t k = 0; truth.goes_on(k); ++k) {
     const Direction wi = directions[k];
     const Truth found = truth.find(k);
     const FurnaceRun furnace = judge_furnace(found.run, found.batches.get(), !options.as_is, level);

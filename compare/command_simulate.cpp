@@ -55,8 +55,7 @@ int simulate_command(const Options& options) {
   GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
   if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
-  for (std::size_t k = 0; k < truth.directions().size() && (k == 0 || !interrupted); ++k)
-    runs.push_back(truth.find(k).run);
+  for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out, "{}: {}, energies as fractions of the incident light{}\n", stack.name,

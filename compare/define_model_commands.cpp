@@ -45,6 +45,12 @@ void define_bench(CommandLine& line) {
       ->type_name(fmt::format("{}", fmt::join(bench_parts(), "|")))
       ->take_all()
       ->allow_extra_args(false);
+  command
+      .add_option("--solver-seconds", line.options.solver_seconds,
+                  "Seconds of one row of the solver: a finer solution is begun only if it would "
+                  "end within them (default: 15, with --quick 0.2)")
+      ->transform(positive_number())
+      ->type_name("S");
   add_json(command, line);
   add_html(command, line);
 }

@@ -61,12 +61,19 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
   const auto solution =
       std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
   const DeterministicAccuracy& reached = solution->accuracy();
-  if (reached.reached)
-    return {Estimator::deterministic, "the solver reaches " + cost_of(reached), solution};
+  if (reached.reached) return {Estimator::deterministic, reached_by(*solution), solution};
+  // A walk would keep no more than its first checkpoint of one direction.
+  if (reached.limit == DeterministicLimit::interrupted && reached.error < 1)
+    return {Estimator::deterministic, reached_by(*solution) + ", when it was interrupted",
+            solution};
   return {of_walks,
           fmt::format("the solver reaches no more than {}, short of --tolerance {}",
                       cost_of(reached), to_text(options.tolerance)),
           nullptr};
+}
+
+std::string reached_by(const DeterministicSolution& solution) {
+  return "the solver reaches " + cost_of(solution.accuracy());
 }
 
 std::shared_ptr<const DeterministicSolution> refined(const Stack& stack, const Options& options) {

@@ -15,8 +15,16 @@ void warn_of_accuracy(const RunResult& run, const Options& options) {
   if (a.reached) return;
   fmt::print(stderr,
              "lamella: warning: theta_i {:g}: the solver's bound is {:.1e} at worst after {} nodes "
-             "and {} modes, short of --tolerance {}; each value has its own bound\n",
-             theta_degrees(run.incident), a.error, a.nodes, a.modes, to_text(options.tolerance));
+             "and {} modes{}, short of --tolerance {}; each value has its own bound\n",
+             theta_degrees(run.incident), a.error, a.nodes, a.modes,
+             a.limit == DeterministicLimit::interrupted ? ", when it was interrupted" : "",
+             to_text(options.tolerance));
+}
+
+double worst_bound(const std::vector<RunResult>& solved) {
+  double worst = 0;
+  for (const RunResult& run : solved) worst = std::max(worst, run.accuracy->error);
+  return worst;
 }
 
 }  // namespace
@@ -52,18 +60,28 @@ const EstimatorChoice& GroundTruth::choice() {
       if (option != "--time")
         fmt::print(stderr, "lamella: warning: {} means nothing to the deterministic estimator\n",
                    option);
-    const auto solve = [&] {
-      solved_ =
-          deterministic_runs(*choice_->solution, plan_, directions_, grid_, options_.tolerance);
-      return std::all_of(solved_.begin(), solved_.end(),
-                         [](const RunResult& run) { return run.accuracy->reached; });
+    const auto solve = [&](const DeterministicSolution& solution) {
+      return deterministic_runs(solution, plan_, directions_, grid_, options_.tolerance);
     };
-    if (!solve() && choice_->solution->accuracy().reached) {
-      choice_->solution = refined(stack_, options_);
-      solve();
+    solved_ = solve(*choice_->solution);
+    if (worst_bound(solved_) > options_.tolerance && choice_->solution->accuracy().reached &&
+        !interrupted) {
+      const std::shared_ptr<const DeterministicSolution> finer = refined(stack_, options_);
+      // An interrupt may have left it coarser than what is there.
+      if (finer->accuracy().limit != DeterministicLimit::interrupted) {
+        choice_->solution = finer;
+        solved_ = solve(*choice_->solution);
+        if (options_.estimator == "auto") choice_->reason = reached_by(*choice_->solution);
+      }
     }
+    if (options_.estimator == "auto" && worst_bound(solved_) > options_.tolerance)
+      choice_->reason += fmt::format(", but no more than {:.1e} in cells", worst_bound(solved_));
   }
   return *choice_;
+}
+
+bool GroundTruth::goes_on(std::size_t k) const {
+  return k < directions_.size() && (k == 0 || !interrupted || k < solved_.size());
 }
 
 Truth GroundTruth::find(std::size_t k, std::optional<std::uint64_t> walks) {

@@ -39,6 +39,9 @@ class GroundTruth {
   [[nodiscard]] const EstimatorChoice& choice();
   [[nodiscard]] Estimator estimator() { return choice().estimator; }
 
+  /// Whether the k-th direction is still to be had: the first always, all until Ctrl-C, and after
+  /// it those that a solution answers, whichever nodes and modes it ended with.
+  [[nodiscard]] bool goes_on(std::size_t k) const;
   /// The truth of the k-th direction, with progress on a terminal. Ctrl-C ends a walk at the next
   /// checkpoint and sets `interrupted`. Says on stderr where less was reached than was asked for.
   /// `walks`: of this direction, where they are no option's.

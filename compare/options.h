@@ -50,7 +50,8 @@ struct Options {
   std::string isa = "auto";
   bool quiet = false, strict = false, as_is = false, quick = false;
   std::string json{}, html{}, output{};
-  std::vector<std::string> only{};  ///< parts of bench; empty: all
+  std::vector<std::string> only{};         ///< parts of bench; empty: all
+  std::optional<double> solver_seconds{};  ///< of bench: for each of the solver's rows
   std::vector<std::string> models{};
   std::optional<double> max_error{};
   std::string pairs{};

@@ -116,8 +116,11 @@ class DeterministicSolution {
   [[nodiscard]] DeterministicValue f(Direction wi, Direction wo) const;
   /// The modes for every pair of these cosines (negative: below). Cost grows with the number of
   /// distinct |mu|, those of mu_o counting most.
-  [[nodiscard]] DeterministicField field(std::span<const double> mu_i,
-                                         std::span<const double> mu_o) const;
+  /// second_integrated: where `multiple_refined` would integrate order 2 directly, its modes are
+  /// integrated here (milliseconds per pair of cosines), for users of `mode` and `multiple`, who
+  /// else owe it the error of the nodes, DeterministicAccuracy::second_error.
+  [[nodiscard]] DeterministicField field(std::span<const double> mu_i, std::span<const double> mu_o,
+                                         bool second_integrated = false) const;
   /// One entry per incoming cosine.
   [[nodiscard]] std::vector<DeterministicEnergies> energies(std::span<const double> mu_i) const;
 

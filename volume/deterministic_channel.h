@@ -32,8 +32,16 @@ struct DeterministicField::Channel {
   Cosines in, out;
   std::vector<int> sign_in, sign_out;
   std::optional<SecondOrder> second;  // of steep media
+  // Where the modes of order 2 were integrated directly: its modes beyond `modes`, and what all of
+  // them leave, absolute. Else empty.
+  std::vector<Parts> more_second;
+  Parts second_error;
 
   [[nodiscard]] int part(std::size_t i, std::size_t o) const;
+  [[nodiscard]] bool has_integrated_modes() const { return second_error[0].size() > 0; }
+  /// Replaces the modes of order 2 that `second` counts, as many as it needs. tolerance: relative
+  /// to scale.
+  void integrate_second(double tolerance);
 };
 
 /// Whether order 2 is integrated directly at every pair, given the error of its modes from the

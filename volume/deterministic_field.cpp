@@ -15,6 +15,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
+// Of order 2 at one pair: near straight transmission they fall algebraically.
+constexpr int kMostSecondModes = 400;
+
 void check_sides(const Stack& stack, std::span<const double> mu_i) {
   if (!stack.is_open_below())
     for (const double mu : mu_i)
@@ -112,6 +115,9 @@ double DeterministicField::mode(int channel, int order, int m, std::size_t i, st
   const Channel& c = *channels_[channel_of_[channel]];
   const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
   const int part = c.part(i, o);
+  const std::size_t solved = c.modes.size();
+  if (static_cast<std::size_t>(m) >= solved)
+    return order == 1 || order > 3 ? c.more_second[m - solved][part](row, column) : 0;
   const OrderModes& mode = c.modes[m];
   const auto second = [&] {
     const MatrixXd& rest = mode.second_rest[part];
@@ -143,7 +149,8 @@ double DeterministicField::scale(int channel, std::size_t i, std::size_t o) cons
 }
 
 int DeterministicField::modes(int channel) const {
-  return static_cast<int>(channels_[channel_of_[channel]]->modes.size());
+  const Channel& c = *channels_[channel_of_[channel]];
+  return static_cast<int>(c.modes.size() + c.more_second.size());
 }
 
 DeterministicValue DeterministicField::multiple(std::size_t i, std::size_t o, double x) const {
@@ -189,13 +196,22 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       before = now;
       now = next;
     }
+    for (const Parts& more : c.more_second) {
+      second += 2 * now * more[part](row, column);
+      const double next = step * now - before;
+      before = now;
+      now = next;
+    }
     Sums& sum = sums[k];
     const double scale = std::max(c.mean[part](row, column), c.faint[part]);
     const ModeTail second_tail = fit_mode_tail(seconds), third_tail = fit_mode_tail(thirds);
     sum.error = error_ * scale + fit_mode_tail(others).error;
     // Sums of modes alone owe the whole tail.
     const auto whole = [](const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; };
-    const double left_out = may_integrate ? second_tail.error : whole(second_tail);
+    const bool integrated = c.has_integrated_modes();
+    const double left_out = integrated      ? c.second_error[part](row, column)
+                            : may_integrate ? second_tail.error
+                                            : whole(second_tail);
     if (may_integrate) {
       third += third_tail.sum(x);
       sum.error += third_tail.error;
@@ -210,8 +226,8 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       sum.error += direct.error;
       sum.exact = true;
     } else {
-      if (may_integrate) second += second_tail.sum(x);
-      sum.error += left_out + (c.second ? second_error_ * scale : 0);
+      if (may_integrate && !integrated) second += second_tail.sum(x);
+      sum.error += left_out + (c.second && !integrated ? second_error_ * scale : 0);
     }
     sum.order = {0, second + second_rest, third, higher, second + second_rest + third + higher};
   }
@@ -226,8 +242,55 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
   return value;
 }
 
+void DeterministicField::Channel::integrate_second(double tolerance) {
+  const Index rows = static_cast<Index>(out.distinct.size()),
+              columns = static_cast<Index>(in.distinct.size());
+  for (MatrixXd& error : second_error) error = MatrixXd::Zero(rows, columns);
+  struct CosinePair {
+    Index row, column;
+    double mu_i, mu_o;
+    auto operator<=>(const CosinePair&) const = default;
+  };
+  std::vector<CosinePair> pairs;
+  for (std::size_t i = 0; i < in.place.size(); ++i)
+    for (std::size_t o = 0; o < out.place.size(); ++o)
+      pairs.push_back({static_cast<Index>(out.place[o]), static_cast<Index>(in.place[i]),
+                       sign_in[i] * in.distinct[in.place[i]],
+                       sign_out[o] * out.distinct[out.place[o]]});
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Eigen::ArrayXd> found(pairs.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
+    const auto& [row, column, mu_i, mu_o] = pairs[k];
+    const int part = part_of(mu_i, mu_o);
+    const double allowed = tolerance * std::max(mean[part](row, column), faint[part]);
+    for (int count = static_cast<int>(modes.size());; count += count / 2) {
+      SecondOrder::Modes integrated = second->modes(mu_i, mu_o, count, allowed / 4);
+      const ModeTail tail = fit_mode_tail({integrated.f.data(), static_cast<std::size_t>(count)});
+      const double left_out = std::abs(tail.sum(0)) + tail.error;
+      found[k] = std::move(integrated.f);
+      second_error[part](row, column) = integrated.error + left_out;
+      if (left_out <= allowed || count >= kMostSecondModes) break;
+    }
+  });
+  const std::size_t solved = modes.size();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto& [row, column, mu_i, mu_o] = pairs[k];
+    const int part = part_of(mu_i, mu_o);
+    for (std::size_t m = 0; m < static_cast<std::size_t>(found[k].size()); ++m) {
+      if (m >= solved + more_second.size()) {
+        more_second.emplace_back();
+        more_second.back().fill(MatrixXd::Zero(rows, columns));
+      }
+      (m < solved ? modes[m].second : more_second[m - solved])[part](row, column) =
+          found[k][static_cast<Index>(m)];
+    }
+  }
+}
+
 DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
-                                                std::span<const double> mu_o) const {
+                                                std::span<const double> mu_o,
+                                                bool second_integrated) const {
   check_sides(stack_, mu_i);
   DeterministicField field;
   field.channel_of_ = channel_of_;
@@ -238,7 +301,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
   field.second_error_ = accuracy_.second_error;
   for (std::size_t k = 0; k < channels_.size(); ++k) {
     auto channel = std::make_shared<DeterministicField::Channel>(DeterministicField::Channel{
-        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt});
+        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt, {}, {}});
     for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
     for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
     const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
@@ -271,6 +334,9 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
             orders.second_rest[part] = orders.second[part] - (*counted)[part];
             orders.second[part] = std::move((*counted)[part]);
           }
+    if (second_integrated && channel->second &&
+        is_second_integrated(accuracy_.second_error, tolerance_))
+      channel->integrate_second(tolerance_ / 5);
     field.channels_.push_back(std::move(channel));
   }
   return field;

@@ -148,7 +148,7 @@ class RowSampler {
     const std::size_t below = mu_o.size();
     if (sides_ == 2)
       for (std::size_t o = 0; o < below; ++o) mu_o.push_back(-mu_o[o]);
-    const DeterministicField field = solution_.field(mu_i_, mu_o);
+    const DeterministicField field = solution_.field(mu_i_, mu_o, true);
     std::vector<Panel> refined;
     std::size_t first = 0;
     for (const Panel& panel : panels) {
@@ -336,9 +336,11 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
   grid.folded = plan.folded && grid.phi_cells % 2 == 0;
   std::vector<double> mu_i;
   for (const Direction wi : incident) mu_i.push_back(with_grazing_limit(wi).z);
-  const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i, tolerance);
+  // Quadratures finer than what the solver reached would cost time for nothing.
+  const double quadrature = std::max(tolerance, solution.accuracy().error / 2);
+  const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i, quadrature);
   const std::vector<DeterministicEnergies> energies = solution.energies(mu_i);
-  const Assembly assembly{solution, sampler, grid, plan.channels, tolerance};
+  const Assembly assembly{solution, sampler, grid, plan.channels, quadrature};
   std::vector<RunResult> runs(incident.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     RunResult& run = runs[i];

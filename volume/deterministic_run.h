@@ -12,11 +12,12 @@ namespace lamella {
 /// form that walks give them; error bounds stand in the place of standard errors.
 ///
 /// Orders 2 and up are integrated exactly in phi, mode by mode, and by Gauss-Legendre panels in mu,
-/// refined until what they leave is below `tolerance` of the mean over the azimuth; order 1 is the
-/// closed form, by adaptive quadrature over each cell. The bound of a cell adds what both leave to
-/// the solution's own error; the bound of an energy adds how far the sum over its cells is from the
-/// energy that the solver found on its nodes. `plan` decides channels and folding. Light that is
-/// lost to the depth of a half space counts as transmitted. mu = 0 is the limit from above.
+/// refined until what they leave is below `tolerance` of the mean over the azimuth (or half of the
+/// solution's error, where that is more); order 1 is the closed form, by adaptive quadrature over
+/// each cell. The bound of a cell adds what both leave to the solution's own error; the bound of an
+/// energy adds how far the sum over its cells is from the energy that the solver found on its
+/// nodes. `plan` decides channels and folding. Light that is lost to the depth of a half space
+/// counts as transmitted. mu = 0 is the limit from above.
 ///
 /// accuracy.error becomes the largest bound of a cell of the lobe "all", relative to the mean over
 /// the azimuth at its mu, and accuracy.reached says whether that is within `tolerance`.

@@ -70,6 +70,36 @@ Azimuths azimuths(double separation, double b_in, double b_out) {
   return result;
 }
 
+// Integral over mu' from -1 to 1 of an integrand with singularities at -1, 0, 1, -mu_i and mu_o, on
+// ever finer levels until `is_enough(level, integral)`.
+template <class Sum, class At, class IsEnough>
+void integrate(double mu_i, double mu_o, const Sum& zero, const At& at, const IsEnough& is_enough) {
+  std::vector<double> breaks{-1, 0, 1, -mu_i, mu_o};
+  std::sort(breaks.begin(), breaks.end());
+  Sum sum = zero;
+  for (int level = 1; level <= kFinest; ++level) {
+    const double step = std::ldexp(1.0, -level);
+    Sum added = zero;
+    for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+      const double half = (breaks[k + 1] - breaks[k]) / 2;
+      if (half < 1e-14) continue;
+      const int last = static_cast<int>(kReach / step);
+      for (int n = -last; n <= last; ++n) {
+        if (level > 1 && n % 2 == 0) continue;
+        const double t = n * step, s = kPi / 2 * std::sinh(t);
+        // Distance from the nearer end, without cancellation.
+        const double to_end = half * std::exp(-std::abs(s)) / std::cosh(s);
+        const double mu = s < 0 ? breaks[k] + to_end : breaks[k + 1] - to_end;
+        if (mu == 0) continue;
+        const double weight = half * kPi / 2 * std::cosh(t) / (std::cosh(s) * std::cosh(s));
+        added += weight * at(mu);
+      }
+    }
+    sum = level == 1 ? Sum(added * step) : Sum(sum / 2 + added * step);
+    if (is_enough(level, sum)) break;
+  }
+}
+
 }  // namespace
 
 // One pair of directions.
@@ -151,6 +181,29 @@ struct SecondOrder::Pass {
     return sum;
   }
 
+  // Modes of the kernels of both events, a column per kind; combined like the kernels themselves.
+  [[nodiscard]] ArrayXd modes_at(double mu, int count) const {
+    const MatrixXd coefficient = depths(mu);
+    const Index kind_count = static_cast<Index>(self.kinds_.size());
+    Eigen::ArrayXXd k1(count, kind_count), k2(count, kind_count);
+    ArrayXd values(count);
+    for (Index k = 0; k < kind_count; ++k) {
+      const Kind& kind = self.kinds_[k];
+      visit_profile(self.stack_.layers[kind.layer].medium, [&](const auto& profile) {
+        double white = 0;
+        pair_modes(profile, kind.f0, wi.z, mu, values, white);
+        k1.col(k) = kind.albedo * values;
+        pair_modes(profile, kind.f0, -mu, wo.z, values, white);
+        k2.col(k) = kind.albedo * values;
+      });
+    }
+    ArrayXd sum = ArrayXd::Zero(count);
+    for (Index j = 0; j < kind_count; ++j)
+      for (Index k = 0; k < kind_count; ++k)
+        if (coefficient(j, k) != 0) sum += coefficient(j, k) * k1.col(j) * k2.col(k);
+    return sum / std::abs(mu);
+  }
+
   // The integrand over mu', all but the common factor.
   [[nodiscard]] double at(double mu) const {
     const MatrixXd coefficient = depths(mu);
@@ -212,39 +265,44 @@ SecondOrder::SecondOrder(const Stack& stack, int channel) : stack_(stack) {
   }
 }
 
+bool SecondOrder::is_dark(double mu_i, double mu_o) const {
+  return kinds_.empty() || (!stack_.is_open_below() && (mu_i < 0 || mu_o < 0));
+}
+
 SecondOrder::Value SecondOrder::operator()(Direction wi, Direction wo, double tolerance) const {
-  if (kinds_.empty() || (!stack_.is_open_below() && (wi.z < 0 || wo.z < 0))) return {};
+  if (is_dark(wi.z, wo.z)) return {};
   const Pass pass(*this, wi, wo);
-  std::vector<double> breaks{-1, 0, 1, -wi.z, wo.z};
-  std::sort(breaks.begin(), breaks.end());
   const double common = 1 / (std::abs(wi.z) * std::abs(wo.z));
   Value result;
-  double sum = 0;
-  for (int level = 1; level <= kFinest; ++level) {
-    const double step = std::ldexp(1.0, -level);
-    double added = 0;
-    for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
-      const double half = (breaks[k + 1] - breaks[k]) / 2;
-      if (half < 1e-14) continue;
-      const int last = static_cast<int>(kReach / step);
-      for (int n = -last; n <= last; ++n) {
-        if (level > 1 && n % 2 == 0) continue;
-        const double t = n * step, s = kPi / 2 * std::sinh(t);
-        // Distance from the nearer end, without cancellation.
-        const double to_end = half * std::exp(-std::abs(s)) / std::cosh(s);
-        const double mu = s < 0 ? breaks[k] + to_end : breaks[k + 1] - to_end;
-        if (mu == 0) continue;
-        const double weight = half * kPi / 2 * std::cosh(t) / (std::cosh(s) * std::cosh(s));
-        added += weight * pass.at(mu);
-      }
-    }
-    sum = level == 1 ? added * step : sum / 2 + added * step;
-    const double f = common * sum;
-    result.error = std::abs(f - result.f);
-    result.f = f;
-    // The error falls like the square or faster: the change bounds that of the last level.
-    if (level > 2 && result.error < tolerance) break;
-  }
+  integrate(
+      wi.z, wo.z, 0.0, [&](double mu) { return pass.at(mu); },
+      [&](int level, double sum) {
+        const double f = common * sum;
+        result.error = std::abs(f - result.f);
+        result.f = f;
+        // The error falls like the square or faster: the change bounds that of the last level.
+        return level > 2 && result.error < tolerance;
+      });
+  return result;
+}
+
+SecondOrder::Modes SecondOrder::modes(double mu_i, double mu_o, int count, double tolerance) const {
+  Modes result{ArrayXd::Zero(count)};
+  if (is_dark(mu_i, mu_o)) return result;
+  const Pass pass(*this, direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, 0));
+  const double common = 2 * kPi / (std::abs(mu_i) * std::abs(mu_o));
+  double before = 0;  // change under the doubling before
+  integrate(
+      mu_i, mu_o, ArrayXd(ArrayXd::Zero(count)),
+      [&](double mu) { return pass.modes_at(mu, count); },
+      [&](int level, const ArrayXd& sum) {
+        const ArrayXd difference = (common * sum - result.f).abs();
+        const double change = 2 * difference.sum() - difference[0];
+        result.f = common * sum;
+        result.error = before > 0 ? change * std::clamp(change / before, 1e-2, 1.0) : change;
+        before = change;
+        return level > 2 && result.error < tolerance;
+      });
   return result;
 }
 

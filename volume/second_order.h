@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "phase/stack.h"
@@ -27,6 +28,18 @@ class SecondOrder {
   /// w_i, w_o: no mu = 0, see with_grazing_limit. tolerance: absolute [1/sr], of f.
   [[nodiscard]] Value operator()(Direction wi, Direction wo, double tolerance) const;
 
+  /// Azimuthal modes of order 2 [1/sr]: f2 = sum over m of (2 - [m = 0]) f[m] cos(m x), x = pi -
+  /// phi.
+  struct Modes {
+    Eigen::ArrayXd f;
+    /// Of f2 at any x, from these modes: what the next doubling would change, were it to fall as
+    /// under the last two, a hundredfold at most (tanh-sinh squares it).
+    double error = 0;
+  };
+  /// The first `count` modes for a pair of cosines, neither 0: the same integral with the kernels'
+  /// modes. tolerance: absolute [1/sr], of the error.
+  [[nodiscard]] Modes modes(double mu_i, double mu_o, int count, double tolerance) const;
+
   /// Whether any layer's medium counts.
   [[nodiscard]] bool is_empty() const { return kinds_.empty(); }
 
@@ -36,6 +49,9 @@ class SecondOrder {
     double albedo, f0;
   };
   struct Pass;
+
+  // Neither light nor order 2 between these sides.
+  [[nodiscard]] bool is_dark(double mu_i, double mu_o) const;
 
   Stack stack_;
   std::vector<Kind> kinds_;   // distinct ones that count

@@ -121,6 +121,18 @@ class WhatAutoDecides(ProgramTest):
         self.assertIn("nodes", answer["estimator_reason"])
         self.assertEqual(answer["tolerance"], 1e-6)
 
+    def test_the_cells_of_mirrors_hold_what_it_says(self):
+        # The default stack and tolerance, with grazing light, where the modes of order 2 are most.
+        answer = self.lamella("simulate", "spongecake_two_layer", "--wi", "30", "--wi", "80",
+                              "--grid", "4x8", "--json", "-", "--quiet")
+        self.assertEqual(answer.err, "")
+        parsed = answer.json()
+        self.assertEqual(parsed["estimator"], "deterministic")
+        self.assertIn("the solver reaches", parsed["estimator_reason"])
+        for run in parsed["runs"]:
+            self.assertTrue(run["accuracy"]["reached"])
+            self.assertLessEqual(run["accuracy"]["error"], 1e-6)
+
     def test_walks_where_they_are_named(self):
         for option, value in (("--walks", "2000"), ("--time", "0.05"), ("--target-error", "0.1"),
                               ("--max-order", "100")):

@@ -114,6 +114,21 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
             with self.assertRaises(jsonschema.ValidationError):
                 check_schema("bench", {**answer, "rows": [less]})
 
+    def test_bench_gives_the_solver_the_seconds_that_are_asked_for(self):
+        def nodes(*arguments):
+            answer = self.json_of("bench", "--quick", "--quiet", "--only", "solver", *arguments)
+            rows = {row["what"]: row["nodes"] for row in answer["rows"]}
+            return answer["solver_seconds"], rows["sggx_mirror_0.05_slab/solve/1e-04"]
+
+        default, few = nodes()
+        self.assertEqual(default, 0.2)
+        self.assertEqual(nodes("--solver-seconds", "1e-9"), (1e-9, 8))
+        self.assertGreaterEqual(few, 8)
+        for bad in ("0", "-1", "inf", "long"):
+            answer = self.lamella("bench", "--solver-seconds", bad, status=2)
+            self.assertIn("--solver-seconds", answer.err)
+            self.assertIn("allowed: a number in (0, inf)", answer.err)
+
     def test_bench_measures_the_parts_that_are_asked_for(self):
         answer = self.json_of("bench", "--quick", "--quiet", "--only", "models", "--only", "plan")
         self.assertEqual(answer["parts"], ["plan", "models"])

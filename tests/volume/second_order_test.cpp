@@ -9,6 +9,7 @@
 #include "tests/volume/deterministic_stacks.h"
 #include "volume/depth_integrals.h"
 #include "volume/deterministic.h"
+#include "volume/mode_tail.h"
 
 namespace lamella {
 namespace {
@@ -105,6 +106,52 @@ TEST(SecondOrder, OfMirrorFlakesIsTheSumOfItsModes) {
         EXPECT_NEAR(value.f / expected, 1, 6e-7) << medium << ' ' << mu_i[i] << ' ' << mu_o[o];
       }
   }
+}
+
+// Grazing reflection, straight transmission and beside it, where the modes fall slowest.
+TEST(SecondOrder, HasModesThatSumToItsValues) {
+  for (const std::string& medium :
+       {sggx(0.5, "mirror"), vmf(0.4, "mirror"), sggx(0.5, "mirror") + "\nf0 = 0.04"}) {
+    const SecondOrder second(stack_of(layer(medium, 0.9, 1.5) + layer(kSphere, 0.7, 0.3)), 0);
+    const double pairs[][2] = {{0.6, 0.45}, {0.17, 0.03}, {-0.3, 0.9}, {0.6, -0.6}, {0.6, -0.58}};
+    for (const auto& [mu_i, mu_o] : pairs) {
+      const SecondOrder::Modes coarse = second.modes(mu_i, mu_o, 160, 1e-5);
+      const SecondOrder::Modes fine = second.modes(mu_i, mu_o, 160, 1e-13);
+      const Eigen::ArrayXd off = (coarse.f - fine.f).abs();
+      EXPECT_LE(2 * off.sum() - off[0], coarse.error) << medium << ' ' << mu_i << ' ' << mu_o;
+      const ModeTail tail = fit_mode_tail({fine.f.data(), 160});
+      for (const double x : {0.05, 0.7}) {
+        double sum = tail.sum(x);
+        for (int m = 0; m < 160; ++m) sum += (m == 0 ? 1 : 2) * fine.f[m] * std::cos(m * x);
+        const SecondOrder::Value value =
+            second(direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, kPi - x), 1e-12);
+        EXPECT_NEAR(sum / value.f, 1, 2e-8 + (tail.error + value.error) / value.f)
+            << medium << ' ' << mu_i << ' ' << mu_o << ' ' << x;
+      }
+    }
+  }
+}
+
+// Sums of modes alone, where 16 nodes are far from enough for the modes of order 2.
+TEST(SecondOrder, IsIntegratedForThoseWhoAskForModes) {
+  const Stack stack = stack_of(layer(sggx(0.5, "mirror"), 0.9, 0.5) + layer(kSphere, 0.7, 0.3) +
+                               lambert_ground(0.4));
+  const DeterministicSolution s =
+      solve_deterministic(stack, {.tolerance = 5e-7, .min_nodes = 12, .max_nodes = 16});
+  ASSERT_GT(s.accuracy().second_error, 2e-6);
+  const double mu_i[] = {0.17, 0.6}, mu_o[] = {0.02, 0.17, 0.6, 0.95};
+  const DeterministicField modes = s.field(mu_i, mu_o, true), points = s.field(mu_i, mu_o);
+  for (int i = 0; i < 2; ++i)
+    for (int o = 0; o < 4; ++o)
+      for (const double x : {0.0, 0.7}) {
+        const double expected = points.multiple_refined(i, o, x).order[1].r;
+        const double left_out = 3e-7 * modes.scale(0, i, o);
+        EXPECT_NEAR(modes.multiple(i, o, x).order[1].r, expected, left_out) << i << ' ' << o;
+        double sum = 0;
+        for (int m = 0; m < modes.modes(0); ++m)
+          sum += (m == 0 ? 1 : 2) * modes.mode(0, 1, m, i, o) * std::cos(m * x);
+        EXPECT_NEAR(sum, expected, left_out) << i << ' ' << o;
+      }
 }
 
 TEST(SecondOrder, IsReciprocalAtTheHardPairs) {
