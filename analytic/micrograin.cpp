@@ -238,12 +238,13 @@ ParameterInfo color(std::string name, std::string doc, std::string default_value
 
 /// The first word is the default.
 ParameterInfo choice(std::string name, std::string doc, std::vector<std::string> words) {
-  return {.name = std::move(name),
-          .kind = ParameterKind::choice,
-          .unit = "1",
-          .doc = std::move(doc),
-          .default_value = words.front(),
-          .choices = std::move(words)};
+  ParameterInfo info{.name = std::move(name),
+                     .kind = ParameterKind::choice,
+                     .unit = "1",
+                     .doc = std::move(doc),
+                     .default_value = words.front()};
+  info.choices = std::move(words);
+  return info;
 }
 
 const std::string kBulkKey = "bulk_";
@@ -462,6 +463,7 @@ void offer_bulk_models(std::vector<ModelInfo>& models) {
       keys.push_back(std::move(key));
     }
   }
+  if (!grains) return;
   grains->parameters.push_back(choice("bulk", "closed form of the surface below", names));
   grains->parameters.insert(grains->parameters.end(), keys.begin(), keys.end());
 }

@@ -154,6 +154,7 @@ class PluginModel final : public Model {
       put(wi, k, pairs[k].wi);
       put(wo, k, pairs[k].wo);
     }
+    if (n == 0) return {};
     // What eval does not write is found.
     std::vector<double> values(3 * n * entry_.lobe_count, std::nan(""));
     entry_.eval(state_, n, wi.data(), wo.data(), values.data());

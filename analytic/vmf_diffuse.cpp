@@ -79,6 +79,8 @@ class VmfDiffuse final : public FormulaModel<VmfDiffuseFormula> {
     return lambert_ ? eval_lobe(0, wi, wo) : FormulaModel::eval(wi, wo);
   }
   void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const override {
+    // Each pair by the eval above, not the formula's lanes.
+    // NOLINTNEXTLINE(bugprone-parent-virtual-call)
     lambert_ ? Model::eval(pairs, values, isa) : FormulaModel::eval(pairs, values, isa);
   }
 

@@ -23,7 +23,7 @@ struct Growing {
     simulation.advance(walks);
     while (step < effort.repetition_seconds)
       step = seconds_of([&] { simulation.advance(walks *= 2); });
-    return step / static_cast<double>(walks / 2);
+    return 2 * step / static_cast<double>(walks);
   }
 
   // make(size) is the simulation of that size; rows tell how cost grows from one to the next.

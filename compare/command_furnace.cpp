@@ -53,7 +53,8 @@ int model_furnace(const Options& options, const Stack& stack) {
           }
     Options one = options;
     std::string joined = request.name;
-    for (const auto& [key, value] : request.values) joined += "," + key + "=" + value;
+    for (const auto& [key, value] : request.values)
+      joined.append(",").append(key).append("=").append(value);
     one.models = {joined};
     const BoundModel bound = std::move(models_for(one, stack).front());
     Json runs = Json::array();

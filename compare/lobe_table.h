@@ -30,10 +30,10 @@ class LobeTable {
 
  private:
   [[nodiscard]] Rgb& at(int i, int o, int p) {
-    return values_[static_cast<std::size_t>((i * kMuNodes + o) * kPhiNodes + p)];
+    return values_[(static_cast<std::size_t>(i) * kMuNodes + o) * kPhiNodes + p];
   }
   [[nodiscard]] Rgb at(int i, int o, int p) const {
-    return values_[static_cast<std::size_t>((i * kMuNodes + o) * kPhiNodes + p)];
+    return values_[(static_cast<std::size_t>(i) * kMuNodes + o) * kPhiNodes + p];
   }
   void solve(const Stack& stack);
   void walk(const Stack& stack, const Options& options);

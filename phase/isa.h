@@ -25,22 +25,23 @@ enum class Isa { scalar, sse4, avx2, avx512 };
 /// Declares a function that a source of lamella_lanes() defines in each set's namespace, and in
 /// namespace lamella a pointer to the one of a set: LAMELLA_LANE_FUNCTION(void, f, (int n)) makes
 /// `void (*f_for(Isa isa))(int n)`; null for Isa::scalar. Use it inside namespace lamella.
-#define LAMELLA_LANE_FUNCTION(result, name, parameters)                  \
-  namespace isa_sse4 {                                                   \
-  result name parameters;                                                \
-  }                                                                      \
-  namespace isa_avx2 {                                                   \
-  result name parameters;                                                \
-  }                                                                      \
-  namespace isa_avx512 {                                                 \
-  result name parameters;                                                \
-  }                                                                      \
-  /* A list of parameters: NOLINTNEXTLINE(bugprone-macro-parentheses) */ \
-  [[nodiscard]] inline auto name##_for(Isa isa)->result(*) parameters {  \
-    return isa == Isa::avx512 ? &isa_avx512::name                        \
-           : isa == Isa::avx2 ? &isa_avx2::name                          \
-           : isa == Isa::sse4 ? &isa_sse4::name                          \
-                              : nullptr;                                 \
+// NOLINTBEGIN(bugprone-macro-parentheses): a list of parameters has its own
+#define LAMELLA_LANE_FUNCTION(result, name, parameters)                 \
+  namespace isa_sse4 {                                                  \
+  result name parameters;                                               \
+  }                                                                     \
+  namespace isa_avx2 {                                                  \
+  result name parameters;                                               \
+  }                                                                     \
+  namespace isa_avx512 {                                                \
+  result name parameters;                                               \
+  }                                                                     \
+  [[nodiscard]] inline auto name##_for(Isa isa)->result(*) parameters { \
+    return isa == Isa::avx512 ? &isa_avx512::name                       \
+           : isa == Isa::avx2 ? &isa_avx2::name                         \
+           : isa == Isa::sse4 ? &isa_sse4::name                         \
+                              : nullptr;                                \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace lamella

@@ -91,9 +91,9 @@ TEST(Deterministic, LambertSpheresAreStableToEightDigitsUnderRefinement) {
 TEST(Deterministic, NarrowPeaksAndFlakesReachEightDigits) {
   for (const auto& [medium, nodes] :
        {std::pair{henyey_greenstein(0.8), 64}, std::pair{sggx(0.05, "lambert"), 128}}) {
-    const DeterministicSolution s =
-        solve_deterministic(stack_of(layer(medium, 0.9, 1.5)),
-                            {.tolerance = 1e-8, .min_nodes = nodes / 4 * 3, .max_nodes = nodes});
+    const DeterministicSolution s = solve_deterministic(
+        stack_of(layer(medium, 0.9, 1.5)),
+        {.tolerance = 1e-8, .min_nodes = nodes / 4 * 3, .max_nodes = nodes, .max_seconds = 1e4});
     EXPECT_TRUE(s.accuracy().reached) << medium << ' ' << s.accuracy().error;
   }
 }
