@@ -225,13 +225,14 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
   if (task_.estimate == LaneEstimate::cells_counted) {
     const double scale = chance / cells_.grid.projected_solid_angle();
     const std::size_t targets = cells_.count();
-    for (int slot = 0; slot < kOrders; ++slot)
+    for (int slot = 0; slot < kOrders; ++slot) {
+      const double weight = task_.weighs() ? 1 / kPointUnits : setting_.weight_after(0, slot + 1);
       for (int c = 0; c < channels; ++c)
         for (std::size_t j = 0; j < targets; ++j) {
           const auto sum = static_cast<double>(counts.cells[(c * kOrders + slot) * targets + j]);
-          tally.f[(slot * channels + c) * targets + j] =
-              scale * sum * (task_.weighs() ? 1 / kPointUnits : setting_.weight_after(0, slot + 1));
+          tally.f[(slot * channels + c) * targets + j] = scale * weight * sum;
         }
+    }
     return;
   }
   if (task_.estimate == LaneEstimate::energies) return;
@@ -244,15 +245,17 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
   const std::size_t columns = points ? task_.points.padded : task_.cells.padded_columns;
   const std::size_t used = points ? task_.points.count : task_.cells.columns;
   const std::size_t rows = points ? 1 : task_.cells.rows * (task_.cells.both_sides ? 2 : 1);
-  for (int slot = 0; slot < kOrders; ++slot)
+  for (int slot = 0; slot < kOrders; ++slot) {
+    const double scale = factor(slot);
     for (int c = 0; c < channels; ++c)
       for (std::size_t r = 0; r < rows; ++r)
         for (std::size_t j = 0; j < used; ++j) {
           const std::size_t plane = slot * channels + c;
           tally.f[(plane * rows + r) * used + j] =
-              factor(slot) * (points ? inverse_mu_[j] : 1) *
+              scale * (points ? inverse_mu_[j] : 1) *
               static_cast<double>(counts.targets[(plane * rows + r) * columns + j]);
         }
+  }
 }
 
 double LaneRun::occupancy() const {
