@@ -318,6 +318,24 @@ TEST(LaneMarginals, TablesInvertTheirDistributions) {
   }
 }
 
+// What no valid stack can bring about: a parameter that is not a number, put behind the reader.
+TEST(LaneWalk, ADirectionThatIsNotANumberDoesNotHide) {
+  const Stack stack = stack_from(layer("medium = 'henyey_greenstein'\ng = 0.5\nthickness = 2"));
+  for (const Isa isa : lane_isas())
+    for (const bool one_medium : {false, true})
+      for (const bool broken : {false, true}) {
+        LaneSetting<float> setting(stack, plan_for(stack, isa), direction_from_degrees(30, 0), 1);
+        if (broken) setting.layers.value[kG][0] = std::nanf("");
+        LaneWalkTask task{.walk = setting.walk, .one_medium = one_medium};
+        task.index_stride = 1;
+        task.walks = 500;
+        std::uint64_t ends[kWalkEnds * (kRouletteOrder + 1)] = {};
+        LaneSums sums{.ends = ends};
+        (one_medium ? walk_lanes_for : walk_stack_lanes_for)(isa)(task, sums);
+        EXPECT_EQ(sums.finite, !broken) << to_text(isa);
+      }
+}
+
 TEST(LaneSoak, TenBillionCollisionsInLambertSpheresMatchTheDeterministicSolver) {
   if (!std::getenv("LAMELLA_SOAK")) GTEST_SKIP() << "half a minute of two cores: make soak";
   const Stack stack = load_stack("lambert_sphere_halfspace");
