@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "volume/walk.h"
 
@@ -173,14 +174,14 @@ void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& t
 std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
   std::vector<std::uint64_t> ends = counts.ends;
   if (task_.estimate != LaneEstimate::cells_counted || task_.weighs()) return ends;
-  const std::size_t targets = cells_.count(), side = cells_.grid.cells();
-  const auto beyond = counts.cells.begin() + static_cast<std::ptrdiff_t>(kOrders * targets);
+  const std::size_t side = cells_.grid.cells();
+  const std::int64_t* cells = counts.cells.data();
+  for (int slot = 0; slot < kOrders; ++slot)
+    for (int end = 0; end < (cells_.both_sides ? 2 : 1); ++end, cells += side)
+      ends[end * (kOrders + 1) + slot + 1] +=
+          static_cast<std::uint64_t>(std::accumulate(cells, cells + side, std::int64_t{0}));
   for (std::size_t at = 0; at < ends.size(); ++at)
-    ends[at] += static_cast<std::uint64_t>(beyond[static_cast<std::ptrdiff_t>(at)]);
-  for (std::size_t slot = 0; slot < kOrders; ++slot)
-    for (std::size_t j = 0; j < targets; ++j)
-      ends[(j < side ? 0 : 1) * (kOrders + 1) + slot + 1] +=
-          static_cast<std::uint64_t>(counts.cells[slot * targets + j]);
+    ends[at] += static_cast<std::uint64_t>(cells[at]);
   return ends;
 }
 
