@@ -326,11 +326,14 @@ TEST(LaneWalk, ADirectionThatIsNotANumberDoesNotHide) {
       for (const bool broken : {false, true}) {
         LaneSetting<float> setting(stack, plan_for(stack, isa), direction_from_degrees(30, 0), 1);
         if (broken) setting.layers.value[kG][0] = std::nanf("");
-        LaneWalkTask task{.walk = setting.walk, .one_medium = one_medium};
+        LaneWalkTask task;
+        task.walk = setting.walk;
+        task.one_medium = one_medium;
         task.index_stride = 1;
         task.walks = 500;
         std::uint64_t ends[kWalkEnds * (kRouletteOrder + 1)] = {};
-        LaneSums sums{.ends = ends};
+        LaneSums sums;
+        sums.ends = ends;
         (one_medium ? walk_lanes_for : walk_stack_lanes_for)(isa)(task, sums);
         EXPECT_EQ(sums.finite, !broken) << to_text(isa);
       }
