@@ -92,12 +92,11 @@ TEST(SecondOrder, OfMirrorFlakesIsTheSumOfItsModes) {
   for (const std::string& medium : {sggx(0.5, "mirror"), vmf(0.5, "mirror"), fiber(0.6, "mirror"),
                                     sggx(0.5, "mirror") + "\nf0 = 0.04"}) {
     const Stack stack = stack_of(layer(medium, 0.9, 1.5) + layer(kSphere, 0.7, 0.3));
-    const DeterministicSolution s = solve_deterministic(
-        stack, {.tolerance = 1e-9,
-                .min_nodes = 32,
-                .max_nodes = 32,
-                .max_modes = 160,
-                .max_seconds = 1e4});
+    const DeterministicSolution s = solve_deterministic(stack, {.tolerance = 1e-9,
+                                                                .min_nodes = 32,
+                                                                .max_nodes = 32,
+                                                                .max_modes = 160,
+                                                                .max_seconds = 1e4});
     const SecondOrder second(stack, 0);
     const double mu_i[] = {0.6, -0.3}, mu_o[] = {0.45, 0.95, -0.9};
     const DeterministicField field = s.field(mu_i, mu_o);
