@@ -67,5 +67,30 @@ TEST(LambertSphere, ThreeUniformsFollowTheCumulativeDistribution) {
   EXPECT_GE(chi_square_p_value(observed, expected), test_level());
 }
 
+TEST(LambertSphere, NormalAndLambertsLawFollowTheCumulativeDistribution) {
+  constexpr int kCells = 100, kTurns = 16, kSamples = 400000;
+  const Direction wi = direction_from_degrees(130, 40);
+  const Frame<double> frame = frame_around(-wi);
+  std::vector<double> observed(kCells), expected(kCells, kSamples / double{kCells});
+  std::vector<double> turns(kTurns), even(kTurns, kSamples / double{kTurns});
+  RandomStream stream(12, 0, StreamPurpose::test);
+  const auto point = [&] {
+    const double u1 = stream.uniform(), u2 = stream.uniform();
+    return uniform_sphere(u1, u2);
+  };
+  for (int n = 0; n < kSamples; ++n) {
+    const Direction s1 = point(), s2 = point();
+    const Direction wo = -away_from_lambert_sphere(wi, s1, s2);
+    ASSERT_NEAR(dot(wo, wo), 1, 1e-12);
+    const Direction local = frame.to_local(wo);
+    const int cell = static_cast<int>(lambert_sphere_cdf(std::clamp(local.z, -1.0, 1.0)) * kCells);
+    observed[std::clamp(cell, 0, kCells - 1)] += 1;
+    const int turn = static_cast<int>(azimuth(local) / (2 * kPi) * kTurns);
+    turns[std::clamp(turn, 0, kTurns - 1)] += 1;
+  }
+  EXPECT_GE(chi_square_p_value(observed, expected), test_level());
+  EXPECT_GE(chi_square_p_value(turns, even), test_level());
+}
+
 }  // namespace
 }  // namespace lamella::testing
