@@ -102,7 +102,10 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
     row.baseline.replace(row.baseline.find("pcg32"), 5, "the engine's generator");
   row.ratio_to_baseline = times.median_ratio() * collisions / textbook_collisions;
   row.extra = {{"walks", simulation->walks()}, {"isa", to_text(simulation->isa())}};
-  if (const auto occupancy = simulation->lane_occupancy()) row.extra["lane_occupancy"] = *occupancy;
+  if (const auto use = simulation->lane_use()) {
+    row.extra["lane_occupancy"] = use->occupancy;
+    row.extra["null_collisions"] = use->null;
+  }
   report(std::move(row));
 }
 

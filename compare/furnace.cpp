@@ -100,8 +100,7 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     const double error = furnace.energy[c].standard_error;
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
-    const double lost =
-        run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
+    const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
     FurnaceVerdict verdict = FurnaceVerdict::pass;
     if ((std::abs(defect.value) > noise && !too_few) || (white && lost > 1e-12))
       verdict = FurnaceVerdict::fail;

@@ -30,7 +30,7 @@ struct TextbookCase {
 enum class TextbookGenerator {
   pcg32,   ///< O'Neill 2014, "PCG: a family of simple fast space-efficient statistically good
            ///< algorithms"; one stream for all walks
-  engine,  ///< that of the engine's lanes: xoshiro128++, a stream per walk from (seed, walk)
+  engine,  ///< that of the engine's lanes: xoshiro128+, a stream per walk from (seed, walk)
 };
 
 /// What is tallied beside the energies.

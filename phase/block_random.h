@@ -16,9 +16,10 @@ LAMELLA_INLINE std::uint32_t rotate_left(std::uint32_t a) {
   return a << n | a >> (32 - n);
 }
 
-/// The numbers of one walk: xoshiro128++ (Blackman and Vigna 2021, "Scrambled linear pseudorandom
+/// The numbers of one walk: xoshiro128+ (Blackman and Vigna 2021, "Scrambled linear pseudorandom
 /// number generators"), its state a block of the counter-based generator: the numbers of a walk are
-/// those of (seed, walk), for fewer instructions per word than blocks of that generator.
+/// those of (seed, walk), for fewer instructions per word than blocks of that generator. The lowest
+/// bits of its words are linear in the state; the numbers below round them away.
 template <class Words>
 struct WalkNumbers {
   Words s[4];
@@ -28,14 +29,13 @@ struct WalkNumbers {
       : s{from.w[0], from.w[1], from.w[2], from.w[3]} {}
 
   LAMELLA_INLINE Words next() {
-    const Words result = rotate_left<7>(s[0] + s[3]) + s[0];
-    const Words t = shift_left<9>(s[1]);
-    s[2] = s[2] ^ s[0];
-    s[3] = s[3] ^ s[1];
-    s[1] = s[1] ^ s[2];
-    s[0] = s[0] ^ s[3];
-    s[2] = s[2] ^ t;
-    s[3] = rotate_left<11>(s[3]);
+    const Words result = s[0] + s[3];
+    const Words s31 = s[3] ^ s[1], shifted = shift_left<9>(s[1]);
+    const Words s1 = xor_of(s[1], s[2], s[0]);
+    s[2] = xor_of(shifted, s[2], s[0]);
+    s[0] = xor_of(s[0], s[3], s[1]);
+    s[1] = s1;
+    s[3] = rotate_left<11>(s31);
     return result;
   }
 };

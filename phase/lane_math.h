@@ -98,7 +98,7 @@ LAMELLA_INLINE Floats cbrt(Floats x) {
 LAMELLA_INLINE Floats turns_of(Floats y, Floats x) {
   const Floats ax = abs(x), ay = abs(y);
   const Floats larger = max(ax, ay), smaller = min(ax, ay);
-  const Floats t = smaller / max(larger, Floats(1e-37f));
+  const Floats t = divide(smaller, max(larger, Floats(1e-37f)));
   const Floats z = t * t;
   // atan(t) / (2 pi t)
   Floats p = multiply_add(z, Floats(4.510553438e-04f), Floats(-2.547279725e-03f));

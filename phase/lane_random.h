@@ -13,17 +13,15 @@ using WordBlock = lamella::WordBlock<Words>;
 
 /// Philox 4x32 with 7 rounds of the counter (c0, c1, c2, c3): the numbers of RandomStream.
 /// The lanes of even and of odd place are carried apart in the halves of 64-bit products, so that
-/// nothing has to be put back in order before the end.
+/// nothing has to be put back in order before the end; shuffles, not shifts, move them, as those
+/// share a port with the products.
 LAMELLA_INLINE WordBlock philox(Words c0, Words c1, Words c2, Words c3, std::uint32_t key0,
                                 std::uint32_t key1) {
-  using Wide = hn::ScalableTag<std::uint64_t>;
   const Words m0(0xD2511F53u), m1(0xCD9E8D57u);
   struct Half {
     Words v0, v1, v2, v3;  // only the even places count
   };
-  const auto odd = [](Words a) -> Words {
-    return hn::BitCast(Words::Tag(), hn::ShiftRight<32>(hn::BitCast(Wide(), a.v)));
-  };
+  const auto odd = [](Words a) -> Words { return hn::Shuffle2301(a.v); };
   const auto product = [](Words a, Words b) -> Words {
     return hn::BitCast(Words::Tag(), hn::MulEven(a.v, b.v));
   };
@@ -39,10 +37,7 @@ LAMELLA_INLINE WordBlock philox(Words c0, Words c1, Words c2, Words c3, std::uin
     key0 += 0x9E3779B9u;
     key1 += 0xBB67AE85u;
   }
-  const auto together = [](Words a, Words b) -> Words {
-    const auto up = hn::BitCast(Words::Tag(), hn::ShiftLeft<32>(hn::BitCast(Wide(), b.v)));
-    return hn::OddEven(up, a.v);
-  };
+  const auto together = [&](Words a, Words b) -> Words { return hn::OddEven(odd(b).v, a.v); };
   return {{together(even.v0, uneven.v0), together(even.v1, uneven.v1), together(even.v2, uneven.v2),
            together(even.v3, uneven.v3)}};
 }

@@ -131,6 +131,26 @@ LAMELLA_INLINE Words shift_left(Words a) {
   return hn::ShiftLeft<n>(a.v);
 }
 
+/// a ^ b ^ c: one instruction with AVX-512.
+LAMELLA_INLINE Words xor_of(Words a, Words b, Words c) { return hn::Xor3(a.v, b.v, c.v); }
+
+/// a < b, both below 2^31: one instruction where there is no comparison of unsigned numbers.
+LAMELLA_INLINE WordMask is_below(Words a, Words b) {
+  const hn::ScalableTag<std::int32_t> d;
+  return {hn::RebindMask(WordMask::Tag(), hn::Lt(hn::BitCast(d, a.v), hn::BitCast(d, b.v)))};
+}
+
+/// 0 <= a <= limit, where a is not -0: by one comparison of bits, of which those of negative
+/// numbers are the largest, where there is one of unsigned numbers.
+LAMELLA_INLINE FloatMask is_within(Floats a, Floats limit) {
+#if HWY_TARGET == HWY_AVX3
+  return {hn::Mask<FloatMask::Tag>{
+      _mm512_cmple_epu32_mask(_mm512_castps_si512(a.v.raw), _mm512_castps_si512(limit.v.raw))}};
+#else
+  return (Floats(0) <= a) & (a <= limit);
+#endif
+}
+
 template <int n>
 LAMELLA_INLINE Words rotate_left(Words a) {
   return hn::RotateRight<32 - n>(a.v);

@@ -89,6 +89,13 @@ LAMELLA_INLINE double reciprocal_sqrt(double a) { return 1 / std::sqrt(a); }
 LAMELLA_INLINE double divide(double a, double b) { return a / b; }
 LAMELLA_INLINE bool equal(double a, double b) { return a == b; }
 LAMELLA_INLINE bool equal(std::uint32_t a, std::uint32_t b) { return a == b; }
+LAMELLA_INLINE std::uint32_t xor_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  return a ^ b ^ c;
+}
+/// a < b, both below 2^31.
+LAMELLA_INLINE bool is_below(std::uint32_t a, std::uint32_t b) { return a < b; }
+/// 0 <= a <= limit.
+LAMELLA_INLINE bool is_within(double a, double limit) { return 0 <= a && a <= limit; }
 LAMELLA_INLINE bool any(bool a) { return a; }
 /// a and not b
 LAMELLA_INLINE bool without(bool a, bool b) { return a && !b; }

@@ -106,7 +106,7 @@ struct NextEventOnLanes {
   LAMELLA_INLINE void operator()(All all, const M& medium, const LaneEvent<Floats>& event,
                                  const LaneState<Floats, C>& w, FloatMask scatters) const {
     if (t.estimate != LaneEstimate::points && t.estimate != LaneEstimate::cells_next_event) return;
-    const FloatMask counts = scatters & to_float_mask(w.order < Words(t.walk.max_order));
+    const FloatMask counts = scatters & to_float_mask(is_below(w.order, Words(t.walk.max_order)));
     const bool are_few = t.estimate == LaneEstimate::points && t.points.count <= kFew;
     if (C == 0 && are_few && t.channels == 1)
       few(all, medium, event, w, counts);
@@ -151,7 +151,7 @@ struct NextEventOnLanes {
     LAMELLA_INLINE OfSlots(Words order, FloatMask counts) {
       for (std::uint32_t k = 0; k + 1 < kRouletteOrder; ++k)
         of[k] = counts & to_float_mask(equal(order, Words(k)));
-      of[kRouletteOrder - 1] = counts & to_float_mask(order >= Words(kRouletteOrder - 1));
+      of[kRouletteOrder - 1] = counts & to_float_mask(is_below(Words(kRouletteOrder - 2), order));
     }
   };
 

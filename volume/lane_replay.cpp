@@ -27,11 +27,11 @@ void replay_walk(const LaneSetting<double>& setting, std::uint64_t index, int ch
   EnergySums& energy = tally.energy;
   const bool collides = begin<C>(setting.walk, set, w, true);
   while (collides && !now.ends) {
-    now = step<C>(setting.walk, set, w, true, NoScore{});
+    now = step(setting.walk, set, w, true, NoScore{});
     tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
   }
   ++tally.walks;
-  const LaneEnd<std::uint32_t> of(now.code, setting.walk.max_order);
+  const LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
   const auto end = static_cast<WalkEnd>(of.end);
   const bool straight = of.order == 0 && end < WalkEnd::absorbed;
   const int target = straight || end > WalkEnd::down ? -1 : cells.find(-w.wi);

@@ -167,6 +167,7 @@ void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& t
   }
   counts.lane_steps += sums.lane_steps;
   counts.busy += sums.busy_lane_steps;
+  counts.events += sums.events;
   counts.reflections += sums.reflections;
   to_tally(counts, tally);
 }
@@ -213,7 +214,7 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
     }
   }
   tally.energy = energy;
-  tally.collisions = counts.busy - counts.reflections;
+  tally.collisions = counts.events - counts.reflections;
   // The event that was one too many.
   for (int k = 0; k <= kOrders; ++k)
     tally.collisions -= ends[static_cast<int>(WalkEnd::unresolved) * (kOrders + 1) + k];
@@ -259,13 +260,15 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
   }
 }
 
-double LaneRun::occupancy() const {
-  double steps = 0, busy = 0;
+LaneUse LaneRun::use() const {
+  double steps = 0, busy = 0, events = 0;
   for (const Counts& c : counts_) {
     steps += static_cast<double>(c.lane_steps);
     busy += static_cast<double>(c.busy);
+    events += static_cast<double>(c.events);
   }
-  return steps > 0 ? busy / steps : 0;
+  if (busy <= 0) return {};
+  return {busy / steps, 1 - events / busy};
 }
 
 }  // namespace lamella

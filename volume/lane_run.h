@@ -37,14 +37,14 @@ class LaneRun {
   /// Batches may run at the same time. Throws NonFiniteError.
   void run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& tally);
 
-  [[nodiscard]] double occupancy() const;
+  [[nodiscard]] LaneUse use() const;
 
  private:
   struct Counts {
     std::vector<std::uint64_t> ends;
     std::vector<std::int64_t> weights, cells, targets;
     std::vector<float> scratch;
-    std::uint64_t lane_steps = 0, busy = 0, reflections = 0;
+    std::uint64_t lane_steps = 0, busy = 0, events = 0, reflections = 0;
     [[nodiscard]] LaneSums sums() {
       return {.ends = ends.data(),
               .weights = weights.data(),

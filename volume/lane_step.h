@@ -55,7 +55,7 @@ struct LaneState {
 /// One layer of one medium, known at compile time.
 template <class Real, template <class> class M>
 struct OneMedium {
-  static constexpr bool kSingle = true;
+  static constexpr bool kSingle = true, kNull = M<Real>::kNull;
   using Scalar = typename NumberTraits<Real>::Scalar;
   M<Real> medium;
   Real depth;
@@ -72,14 +72,14 @@ struct OneMedium {
                                   Real& y) const {
     y = multiply_add(remaining * medium.inverse_area(wi), wi.z, y);
     // The limits count, too: a flight of length 0 from them does not leave.
-    return (Real(0) <= y) & (y <= depth);
+    return is_within(y, depth);
   }
 };
 
 /// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
 template <class Real>
 struct AnyMedia {
-  static constexpr bool kSingle = false;
+  static constexpr bool kSingle = false, kNull = true;
   using Scalar = typename NumberTraits<Real>::Scalar;
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
@@ -172,21 +172,22 @@ struct NoScore {
 template <class Real>
 struct LaneEnds {
   MaskOf<Real> ends;         ///< of which lanes
-  WordsOf<Real> code;        ///< lane_end_code
+  MaskOf<Real> gone;         ///< an event ended it; otherwise it left the stack
   MaskOf<Real> events;       ///< which lanes met an event
   MaskOf<Real> reflections;  ///< the substrate's among them
 };
 
-/// How a walk ended, and at which order: 4 order, + 1 if it went down, + 2 if an event ended it.
-/// The event after max_order, which does not count any more, leaves a walk unresolved.
+/// How a walk of so many events ended, and at which order. The event after max_order, which does
+/// not count any more, leaves a walk unresolved.
 template <class Words>
 struct LaneEnd {
   Words end, order;  ///< WalkEnd; events that counted
-  LAMELLA_INLINE LaneEnd(Words code, std::uint32_t max_order) {
-    const Words events = shift_right<2>(code), most(max_order);
-    const auto too_many = most < events;
+  template <class Mask>
+  LAMELLA_INLINE LaneEnd(Words events, Mask gone, Mask down, std::uint32_t max_order) {
+    const Words most(max_order);
     order = min(events, most);
-    end = select(too_many, Words(3u), min(code & Words(3u), Words(2u)));
+    end = select(gone, Words(2u), select(down, Words(1u), Words(0u)));
+    end = select(is_below(most, events), Words(3u), end);
   }
 };
 
@@ -201,7 +202,7 @@ template <class Real>
     before = max(before, w.weight[c]);
     after = max(after, on[c]);
   }
-  const auto late = to_float_mask(w.order >= WordsOf<Real>(kRouletteOrder));
+  const auto late = to_float_mask(is_below(WordsOf<Real>(kRouletteOrder - 1), w.order));
   const auto gone = counts & ((late & (uniform * before >= after)) | (after <= Real(0)));
   const Real scale = before / max(after, Real(1e-30));
   for (int c = 0; c < 3; ++c) {
@@ -212,18 +213,30 @@ template <class Real>
   return gone;
 }
 
-/// All active lanes are at a collision, or a null one: the event and the flight to the next one.
+/// What a step draws before anything happens.
+template <class Real>
+struct LaneDraws {
+  WordsOf<Real> words[kEventWords];
+  Real remaining;  ///< mean free paths to the next collision
+};
+template <int C, class Set, class Real>
+LAMELLA_INLINE void draw(const Set& set, LaneState<Real, C>& w, LaneDraws<Real>& draws) {
+  for (int k = 0; k < set.words(); ++k) draws.words[k] = w.numbers.next();
+  if constexpr (C > 0) draws.words[kRouletteWord] = w.numbers.next();
+  draws.remaining = exponential_of(draws.words[0]);
+}
+
+/// All active lanes are at a collision, or a null one: the event.
 /// score(every lane?, medium, event, walks, lanes) sees events before they count; those at
-/// max_order are one too many.
-template <int C, class Set, class Real, class Score>
-LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
-                                   const Set& set, LaneState<Real, C>& w, MaskOf<Real> active,
-                                   const Score& score) {
+/// max_order are one too many. kFull: all lanes are active, and of a single medium.
+template <int C, bool kFull = false, class Set, class Real, class Score>
+LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                      const Set& set, LaneState<Real, C>& w,
+                                      const LaneDraws<Real>& draws, MaskOf<Real> active,
+                                      const Score& score) {
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
-  Words words[kEventWords];
-  for (int k = 0; k < set.words(); ++k) words[k] = w.numbers.next();
-  if constexpr (C > 0) words[kRouletteWord] = w.numbers.next();
+  constexpr bool kEvery = kFull && Set::kSingle && !Set::kNull;  // every lane meets an event
   Mask events = active, reflections = without(active, active);
   if constexpr (!Set::kSingle) events = reflections;
   Vec3<Real> wi = w.wi;
@@ -232,18 +245,18 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
     for (Real& k : kept) k = Real(1);
   set.visit(w.layer, [&](const auto& medium, auto all, Mask here) LAMELLA_INLINE_LAMBDA {
     using M = std::remove_cvref_t<decltype(medium)>;
-    const auto event = medium.collide(w.wi, words);
+    const auto event = medium.collide(w.wi, draws.words);
     Mask scatters = active;
     if constexpr (!all) scatters = scatters & here;
-    if constexpr (M::kNull) scatters = scatters & event.accepted;
+    if constexpr (M::kNull) scatters = kFull ? event.accepted : scatters & event.accepted;
     if constexpr (all)
       events = scatters;
     else
       events = events | scatters;
     if constexpr (M::kKind == LaneMediumKind::substrate)
-      reflections = scatters & to_float_mask(w.order < Words(t.max_order));
+      reflections = scatters & to_float_mask(is_below(w.order, Words(t.max_order)));
     score(all, medium, event, w, scatters);
-    const auto scattered = medium.sample(event, words);
+    const auto scattered = medium.sample(event, draws.words);
     if constexpr (all && !M::kNull)
       wi = scattered.next;  // what is not active does not matter
     else
@@ -261,21 +274,39 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
       }
     }
   });
-  w.order = select(to_word_mask(events), w.order + Words(1u), w.order);
+  w.order = w.order + (kEvery ? Words(1u) : select(to_word_mask(events), Words(1u), Words(0u)));
   w.wi = wi;
-  Mask gone;
+  Mask lives;
   if constexpr (C > 0) {
-    const Mask over = events & to_float_mask(Words(t.max_order) < w.order);
-    gone = over | weigh(w, kept, t.grey, without(events, over), uniform_of(words[kRouletteWord]));
+    const Mask over = events & to_float_mask(is_below(Words(t.max_order), w.order));
+    lives = !(over | weigh(w, kept, t.grey, without(events, over),
+                           uniform_of(draws.words[kRouletteWord])));
   } else {
-    gone = to_float_mask(w.order >= w.death);
+    lives = to_float_mask(is_below(w.order, w.death));
   }
-  const Real remaining = exponential_of(words[0]);
-  const Mask collides = set.fly(w.wi, remaining, without(active, gone), w.layer, w.y);
-  Words code = shift_left<2>(w.order);
-  code = select(to_word_mask(w.wi.z > Real(0)), code + Words(1u), code);
-  code = select(to_word_mask(gone), code | Words(2u), code);
-  return {without(active, without(collides, gone)), code, events, reflections};
+  return {lives, !lives, events, reflections};
+}
+
+/// The flight that follows: `now.ends`, before it the lanes whose walks live, becomes true.
+template <int C, bool kFull = false, class Set, class Real>
+LAMELLA_INLINE void fly(const Set& set, LaneState<Real, C>& w, const LaneDraws<Real>& draws,
+                        MaskOf<Real> active, LaneEnds<Real>& now) {
+  using Mask = MaskOf<Real>;
+  const Mask flies = kFull ? now.ends : active & now.ends;
+  const Mask goes_on = flies & set.fly(w.wi, draws.remaining, flies, w.layer, w.y);
+  now.ends = kFull ? !goes_on : without(active, goes_on);
+}
+
+/// A step of all active lanes.
+template <int C, class Set, class Real, class Score>
+LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                   const Set& set, LaneState<Real, C>& w, MaskOf<Real> active,
+                                   const Score& score) {
+  LaneDraws<Real> draws;
+  draw(set, w, draws);
+  LaneEnds<Real> now = scatter(t, set, w, draws, active, score);
+  fly(set, w, draws, active, now);
+  return now;
 }
 
 /// Begins walks by the numbers w.numbers: their first flight. Which of them collide; the others

@@ -55,9 +55,10 @@ struct LaneSums {
   /// Next event: p(w_i -> w_o) exp(-tau) (on cells, over |mu_o|) times the weight, if the task has
   /// weights or three channels: [slot][channel][place].
   std::int64_t* targets = nullptr;
-  /// Steps taken times lanes, and how many of these lanes were at an event of a walk.
-  std::uint64_t lane_steps = 0, busy_lane_steps = 0;
-  std::uint64_t reflections = 0;  ///< the substrate's among them
+  /// Steps taken times lanes, how many of these lanes had a walk, and how many an event of it: the
+  /// others had a null collision.
+  std::uint64_t lane_steps = 0, busy_lane_steps = 0, events = 0;
+  std::uint64_t reflections = 0;  ///< the substrate's among the events
   /// False where a walk met a number that is not finite.
   bool finite = true;
 };

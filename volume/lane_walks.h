@@ -10,6 +10,9 @@
 namespace lamella::LAMELLA_ISA {
 
 inline constexpr int kLanes = Floats::kCount;
+/// Sets of lanes that know nothing of each other and step together: while one waits for its
+/// numbers, those of the others are computed.
+inline constexpr int kSets = 4;
 
 /// Blocks of random words of walks whose indices share their upper half.
 struct LaneNumbers {
@@ -27,16 +30,16 @@ struct LaneNumbers {
 /// Walks that are about to have their first collision, made many at once, for lanes that fall free.
 template <int C, class Set, class Score>
 struct LanePool {
-  static constexpr int kSize = 256;
+  static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
   static constexpr bool kDeath = C == 0, kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
   int from = 0, to = 0;
   std::uint32_t made = 0;  // walks begun so far
   std::uint64_t uncollided = 0;
-  alignas(64) std::uint32_t numbers[4][kSize + 2 * kLanes];
-  alignas(64) std::uint32_t index[kSize + 2 * kLanes];
-  alignas(64) std::uint32_t death[kSize + 2 * kLanes];
-  alignas(64) std::uint32_t layer[kSize + 2 * kLanes];
-  alignas(64) float y[kSize + 2 * kLanes];
+  alignas(64) std::uint32_t numbers[4][kRoom];
+  alignas(64) std::uint32_t index[kRoom];
+  alignas(64) std::uint32_t death[kRoom];
+  alignas(64) std::uint32_t layer[kRoom];
+  alignas(64) float y[kRoom];
 
   // Fills up to kSize, until the walks of the task are used up.
   [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
@@ -75,51 +78,54 @@ struct LanePool {
 /// Walks that ended, until there are enough of them to count them at a stretch.
 template <int C>
 struct EndedWalks {
-  static constexpr int kSize = 512, kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
+  static constexpr int kSize = 512, kRoom = kSize + (kSets + 1) * kLanes;
+  static constexpr int kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
   int size = 0;
-  alignas(64) std::uint32_t code[kSize + 2 * kLanes];
-  alignas(64) float x[kSize + 2 * kLanes];  // w_i of the last flight
-  alignas(64) float y[kSize + 2 * kLanes];
-  alignas(64) float z[kSize + 2 * kLanes];
-  alignas(64) float weight[C > 0 ? C : 1][kSize + 2 * kLanes];
+  alignas(64) std::uint32_t events[kRoom];  // the last bit: an event ended the walk
+  alignas(64) float x[kRoom];               // w_i of the last flight
+  alignas(64) float y[kRoom];
+  alignas(64) float z[kRoom];
+  alignas(64) float weight[C > 0 ? C : 1][kRoom];
   bool finite = true;
   // Per lane, so that no counter waits for itself.
   std::uint32_t counted[kPlaces][kLanes] = {};
 
   [[gnu::noinline]] void count_all(const LaneWalkTask& t, LaneSums& sums) {
     const bool cells = t.estimate == LaneEstimate::cells_counted;
+    const bool weighs = t.weighs();
     const int targets = t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
     const int nowhere = 4 * targets;
-    alignas(64) std::uint32_t place[kLanes], target[kLanes], orders[kLanes];
+    Floats spoiled(0);  // or not a number
+    // What is a vector's work, then what is not, so that nothing waits in between.
     for (int k = 0; k < size; k += kLanes) {
-      const int n = size - k < kLanes ? size - k : kLanes;
-      const LaneEnd<Words> of(Words::load(code + k), t.walk.max_order);
+      const Words met = Words::load(events + k);
+      const LaneEnd<Words> of(shift_right<1>(met), is_below(Words(0u), met & Words(1u)),
+                              to_word_mask(Floats::load(z + k) > Floats(0)), t.walk.max_order);
       const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
-      at.store(place);
-      if (cells) {
-        targets_of(t, k, of, Words(nowhere) + at).store(target);
-        const Floats flat = Floats::load(x + k) + Floats::load(y + k);
-        finite = finite && !any(!equal(flat * Floats(0), Floats(0)) & first_lanes<float>(n));
-        if (!t.weighs()) {  // a walk in a cell is counted nowhere else
-          for (int j = 0; j < n; ++j) ++sums.cells[target[j]];
-          continue;
-        }
-      }
-      for (int j = 0; j < n; ++j) ++counted[place[j]][j];
-      if (!t.weighs()) continue;
-      min(of.order, Words(t.order_cap)).store(orders);
-      for (int channel = 0; channel < t.channels; ++channel) {
-        std::int64_t* weights = sums.weights + channel * kPlaces;
-        const int first_cell = channel * nowhere;
-        for (int j = 0; j < n; ++j) {
-          const std::int64_t w =
-              C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][k + j] * 0x1p32f)
-                    : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
-                                   orders[j]];
-          weights[place[j]] += w;
-          if (cells && target[j] < static_cast<std::uint32_t>(nowhere))
-            sums.cells[first_cell + static_cast<int>(target[j])] += w;
-        }
+      at.store(place_of + k);
+      if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
+      if (!cells) continue;
+      targets_of(t, k, of, Words(nowhere) + at).store(target_of + k);
+      const Floats flat = Floats::load(x + k) + Floats::load(y + k);
+      const int n = size - k < kLanes ? size - k : kLanes;
+      spoiled = spoiled + select(first_lanes<float>(n), flat * Floats(0), Floats(0));
+    }
+    finite = finite && !any(!equal(spoiled, Floats(0)));
+    if (cells && !weighs)  // a walk in a cell is counted nowhere else
+      for (int j = 0; j < size; ++j) ++sums.cells[target_of[j]];
+    else
+      for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
+    for (int channel = 0; weighs && channel < t.channels; ++channel) {
+      std::int64_t* weights = sums.weights + channel * kPlaces;
+      const int first_cell = channel * nowhere;
+      for (int j = 0; j < size; ++j) {
+        const std::int64_t w =
+            C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][j] * 0x1p32f)
+                  : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
+                                 order_of[j]];
+        weights[place_of[j]] += w;
+        if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
+          sums.cells[first_cell + static_cast<int>(target_of[j])] += w;
       }
     }
     size = 0;
@@ -131,6 +137,8 @@ struct EndedWalks {
   }
 
  private:
+  alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom];
+
   // [slot][target], or `elsewhere`.
   LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, const LaneEnd<Words>& of,
                                   Words elsewhere) const {
@@ -165,17 +173,15 @@ template <int C, class Set, class Score>
   const Vec3<Floats> incident{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
   LanePool<C, Set, Score> pool;
   EndedWalks<C> ended;
-  std::uint64_t steps = 0, busy = 0, reflected = 0;
+  std::uint64_t steps = 0, carried = 0, events_met = 0, reflected = 0;
   // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
   // event wrong with z, and at the last one count_all sees it. Depths follow: they are never 0
   // times infinity, as 1 / sigma and lengths of flights are finite.
   Floats poison(0);
-  // Two sets of lanes that know nothing of each other: while one waits for its numbers, the other's
-  // are computed.
-  constexpr int kSets = 2;
   struct Walks {
     LaneState<Floats, C> state;
-    FloatMask active;
+    FloatMask free;  // lanes without a walk
+    int free_count;
   };
   Walks all[kSets];
   for (Walks& w : all) {
@@ -186,17 +192,13 @@ template <int C, class Set, class Score>
     w.state.numbers.s[2] = w.state.numbers.s[3] = Words(0u);
     w.state.death = Words(1u);
     for (Floats& weight : w.state.weight) weight = Floats(1);
-    w.active = first_lanes<float>(0);
+    w.free = first_lanes<float>(kLanes);
+    w.free_count = kLanes;
   }
-  pool.fill(t, set);
 
-  const auto refill = [&](Walks& walks) LAMELLA_INLINE_LAMBDA {
-    LaneState<Floats, C>& w = walks.state;
-    const int available = pool.to - pool.from;
-    FloatMask take = !walks.active;
-    const Words rank = rank_of(take);
-    if (available < kLanes)
-      take = take & to_float_mask(rank < Words(static_cast<std::uint32_t>(available)));
+  // Gives walks to the lanes `take`, the first of them those of place `rank`.
+  const auto refill = [&](LaneState<Floats, C>& w, FloatMask take,
+                          Words rank) LAMELLA_INLINE_LAMBDA {
     const WordMask words = to_word_mask(take);
     const auto word = [&](const std::uint32_t* from, Words old) LAMELLA_INLINE_LAMBDA {
       return select(words, permute(Words::load(from + pool.from), rank), old);
@@ -210,38 +212,88 @@ template <int C, class Set, class Score>
     if constexpr (C > 0)
       for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
     w.wi = select(take, incident, w.wi);
-    walks.active = walks.active | take;
-    pool.from += count(take);
-    if (pool.to - pool.from < kLanes) pool.fill(t, set);
   };
 
-  const auto advance = [&](Walks& walks) LAMELLA_INLINE_LAMBDA {
+  const auto count_ends = [&](Walks& walks, const LaneEnds<Floats>& now, FloatMask active,
+                              auto full) LAMELLA_INLINE_LAMBDA {
     LaneState<Floats, C>& w = walks.state;
-    const auto [ends, code, events, reflections] = step<C>(t.walk, set, w, walks.active, score);
     poison = multiply_add(w.wi.z, Floats(0), poison);
-    store_compressed(code, ends, ended.code + ended.size);
+    const Words events = shift_left<1>(w.order);
+    store_compressed(select(to_word_mask(now.gone), events | Words(1u), events), now.ends,
+                     ended.events + ended.size);
+    store_compressed(w.wi.z, now.ends, ended.z + ended.size);
     if (t.estimate == LaneEstimate::cells_counted) {
-      store_compressed(w.wi.x, ends, ended.x + ended.size);
-      store_compressed(w.wi.y, ends, ended.y + ended.size);
-      store_compressed(w.wi.z, ends, ended.z + ended.size);
+      store_compressed(w.wi.x, now.ends, ended.x + ended.size);
+      store_compressed(w.wi.y, now.ends, ended.y + ended.size);
     }
     if constexpr (C > 0)
-      for (int c = 0; c < C; ++c) store_compressed(w.weight[c], ends, ended.weight[c] + ended.size);
-    ended.size += count(ends);
-    if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
-    walks.active = without(walks.active, ends);
-    busy += static_cast<std::uint64_t>(count(events));
-    if constexpr (!Set::kSingle) reflected += static_cast<std::uint64_t>(count(reflections));
+      for (int c = 0; c < C; ++c)
+        store_compressed(w.weight[c], now.ends, ended.weight[c] + ended.size);
+    const int fallen = count(now.ends);
+    ended.size += fallen;
+    if constexpr (full) {
+      walks.free = now.ends;
+      walks.free_count = fallen;
+    } else {
+      walks.free = walks.free | now.ends;
+      walks.free_count += fallen;
+    }
+    carried += static_cast<std::uint64_t>(full ? kLanes : count(active));
+    if constexpr (Set::kNull) events_met += static_cast<std::uint64_t>(count(now.events));
+    if constexpr (!Set::kSingle) reflected += static_cast<std::uint64_t>(count(now.reflections));
   };
 
-  for (;;) {
-    FloatMask active = first_lanes<float>(0);
-    for (Walks& w : all) {
-      refill(w);
-      active = active | w.active;
+  pool.fill(t, set);
+  // As long as there are new walks every lane has one.
+  if constexpr (Set::kSingle) {
+    for (;;) {
+      constexpr int kMost = kSets * kLanes;
+      if (pool.to - pool.from < kMost) pool.fill(t, set);
+      if (pool.to - pool.from < kMost) break;
+#pragma GCC unroll 4
+      for (Walks& w : all) {
+        refill(w.state, w.free, rank_of(w.free));
+        pool.from += w.free_count;
+      }
+      // One part of a step after the other, each for all sets.
+      LaneDraws<Floats> draws[kSets];
+      LaneEnds<Floats> now[kSets];
+      const FloatMask every = first_lanes<float>(kLanes);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k) draw(set, all[k].state, draws[k]);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k)
+        now[k] = scatter<C, true>(t.walk, set, all[k].state, draws[k], every, score);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k) fly<C, true>(set, all[k].state, draws[k], every, now[k]);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k) count_ends(all[k], now[k], every, std::true_type{});
+      if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
+      steps += kSets;
     }
-    if (!any(active)) break;
-    for (Walks& w : all) advance(w);
+  }
+  for (;;) {
+    FloatMask idle = first_lanes<float>(kLanes);
+    for (Walks& w : all) {
+      const int available = pool.to - pool.from;
+      const Words rank = rank_of(w.free);
+      FloatMask take = w.free;
+      if (available < kLanes)
+        take = take & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(available))));
+      refill(w.state, take, rank);
+      const int taken = count(take);
+      pool.from += taken;
+      if (pool.to - pool.from < kLanes) pool.fill(t, set);
+      w.free = without(w.free, take);
+      w.free_count -= taken;
+      idle = idle & w.free;
+    }
+    if (!any(!idle)) break;
+    for (Walks& w : all) {
+      const FloatMask active = !w.free;
+      count_ends(w, step(t.walk, set, w.state, active, score), active, std::false_type{});
+    }
+    if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
     steps += kSets;
   }
   ended.count_all(t, sums);
@@ -254,7 +306,8 @@ template <int C, class Set, class Score>
     sums.weights[c * kWalkEnds * static_cast<int>(kRouletteOrder + 1) + place] +=
         static_cast<std::int64_t>(pool.uncollided << 32);
   sums.lane_steps += steps * static_cast<std::uint64_t>(kLanes);
-  sums.busy_lane_steps += busy;
+  sums.busy_lane_steps += carried;
+  sums.events += Set::kNull ? events_met : carried;
   sums.reflections += reflected;
   sums.finite = sums.finite && ended.finite && !any(!equal(poison, Floats(0)));
 }

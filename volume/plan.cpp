@@ -142,10 +142,11 @@ void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& 
     notes.push_back({"instructions", "scalar kernel, double precision", *reason});
     return;
   }
-  notes.push_back({"instructions", fmt::format("{} lanes, single precision", to_text(plan.isa)),
-                   "float resolves all depths and media (the same walks in double differ by 1e-6 in "
-                   "the mean of hard cases, see volume/README.md); the first collision is forced "
-                   "where its chance is below 5 %"});
+  notes.push_back(
+      {"instructions", fmt::format("{} lanes, single precision", to_text(plan.isa)),
+       "float resolves all depths and media (the same walks in double differ by 1e-6 in "
+       "the mean of hard cases, see volume/README.md); the first collision is forced "
+       "where its chance is below 5 %"});
   if (const auto reason = why_not_lanes_in_cells(stack, plan, CellGrid{}))
     notes.push_back({"instructions", "scalar kernel for next-event estimation in cells", *reason});
   const bool common = LaneSetting<double>(stack, plan, {0, 0, 1}, 0).common_albedo;

@@ -171,9 +171,9 @@ void Simulation::advance(std::uint64_t walks) {
   walks_ = walks;
 }
 
-std::optional<double> Simulation::lane_occupancy() const {
+std::optional<LaneUse> Simulation::lane_use() const {
   if (!lanes_) return std::nullopt;
-  return lanes_->occupancy();
+  return lanes_->use();
 }
 
 std::uint64_t Simulation::collisions() const {

@@ -55,8 +55,8 @@ class Simulation {
   [[nodiscard]] Estimator estimator() const { return estimator_; }
   /// What the walks run on: the plan's, or scalar where it has no kernel for them.
   [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
-  /// Share of the lanes that were at a collision at each step; nothing for scalar walks.
-  [[nodiscard]] std::optional<double> lane_occupancy() const;
+  /// Nothing for scalar walks.
+  [[nodiscard]] std::optional<LaneUse> lane_use() const;
 
  private:
   using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;

@@ -25,6 +25,12 @@ struct EnergySums {
   Channels uncollided{}, absorbed{}, unresolved{};
 };
 
+/// What the lanes were busy with.
+struct LaneUse {
+  double occupancy = 0;  ///< lanes that had a walk at each step, of all
+  double null = 0;       ///< of these, lanes whose collision was a null one
+};
+
 /// What one batch of walks has counted.
 struct BatchTally {
   std::uint64_t walks = 0;

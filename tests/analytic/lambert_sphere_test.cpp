@@ -18,7 +18,7 @@ using boost::math::quadrature::gauss_kronrod;
 using testing::make_model;
 
 const char* const kSphereNames[] = {"lambert_sphere", "lambert_sphere_fast", "hapke_lambert_sphere",
-                              "lambert_sphere_three_term", "lambert_sphere_three_term_pure"};
+                                    "lambert_sphere_three_term", "lambert_sphere_three_term_pure"};
 
 struct Deviation {
   double worst_relative = 0, worst = 0, rms = 0;

@@ -14,7 +14,7 @@ using boost::math::quadrature::gauss_kronrod;
 using testing::make_model;
 
 const char* const kOrenNayarNames[] = {"oren_nayar_full", "oren_nayar", "oren_nayar_footnote",
-                              "fujii_qualitative"};
+                                       "fujii_qualitative"};
 
 double term_integral(double mu, double (*term)(const ReflectionAngles&)) {
   const Direction wo = direction_from_mu_phi(mu, 0);

@@ -104,7 +104,8 @@ TEST(ExrFile, IsASinglePartScanLineFileWithZip) {
 
 TEST(ExrFile, RefusesValuesThatAreNotFinite) {
   const TemporaryFolder folder;
-  for (const float bad : {kInfiniteFloat, -kInfiniteFloat, std::numeric_limits<float>::quiet_NaN()}) {
+  for (const float bad :
+       {kInfiniteFloat, -kInfiniteFloat, std::numeric_limits<float>::quiet_NaN()}) {
     ExrImage image = example();
     image.channels[1].second[4] = bad;
     const std::string message =

@@ -130,7 +130,7 @@ TEST_P(LaneStack, EnergiesAndCellsAgreeWithTheScalarKernel) {
     const StackCase& c = stack_cases()[k];
     const auto lanes = in_cells(c, GetParam(), Estimator::analog, kAnalogWalks, 1);
     ASSERT_EQ(lanes->isa(), GetParam()) << c.what;
-    EXPECT_GT(*lanes->lane_occupancy(), 0.3) << c.what;
+    EXPECT_GT(lanes->lane_use()->occupancy, 0.3) << c.what;
     const RunResult a = reduce(*lanes), &b = in_scalar(k, Estimator::analog);
     expect_agreement(a, b, c.what);
     const double events = static_cast<double>(b.collisions) / static_cast<double>(b.walks);

@@ -102,7 +102,7 @@ TEST_P(LaneWalk, EnergiesAndCellsAgreeWithTheScalarKernel) {
     const std::string& what = cases()[k].keys;
     const auto lanes = on_cells(cases()[k], GetParam(), 1);
     ASSERT_EQ(lanes->isa(), GetParam()) << what;
-    EXPECT_GT(*lanes->lane_occupancy(), 0.3) << what;
+    EXPECT_GT(lanes->lane_use()->occupancy, 0.3) << what;
     const RunResult a = reduce(*lanes), b = reduce(scalar_cells(k));
     EXPECT_NEAR(ledger_sum(a, 0), 1, 1e-12) << what;
     const auto agree = [&](Estimate x, Estimate y, const char* which) {
