@@ -162,20 +162,21 @@ class DiscCells {
   static constexpr int kSide = 3, kSamples = kSide * kSide;
 
   explicit DiscCells(const CellGrid& grid) {
-    cells_.reserve(static_cast<std::size_t>(kPanel * kPanel * kSamples));
+    cells_.reserve(std::size_t{kPanel} * kPanel * kSamples);
     for (int y = 0; y < kPanel; ++y)
       for (int x = 0; x < kPanel; ++x)
         for (int s = 0; s < kSamples; ++s) {
-          const double u = 2 * (x + (s % kSide + 0.5) / kSide) / kPanel - 1;
-          const double v = 1 - 2 * (y + (s / kSide + 0.5) / kSide) / kPanel;
+          const int across = s % kSide, down = s / kSide;
+          const double u = 2 * (x + (across + 0.5) / kSide) / kPanel - 1;
+          const double v = 1 - 2 * (y + (down + 0.5) / kSide) / kPanel;
           const double sine2 = u * u + v * v, phi = std::atan2(v, u);
           cells_.push_back(sine2 > 1 ? -1 : grid.cell(1 - sine2, phi < 0 ? phi + 2 * kPi : phi));
         }
   }
 
   [[nodiscard]] std::span<const int> samples(int x, int y) const {
-    return std::span(cells_).subspan(static_cast<std::size_t>((y * kPanel + x) * kSamples),
-                                     kSamples);
+    const std::size_t pixel = static_cast<std::size_t>(y) * kPanel + static_cast<std::size_t>(x);
+    return std::span(cells_).subspan(pixel * kSamples, kSamples);
   }
 
  private:

@@ -76,6 +76,9 @@ class DeterministicField {
   /// f for incoming cosine i and outgoing cosine o of the lists. x = pi - phi, phi the azimuth of
   /// w_o relative to w_i. Orders 2 and up only: order 1 is left at 0.
   [[nodiscard]] DeterministicValue multiple(std::size_t i, std::size_t o, double x) const;
+  /// The error of `multiple` in means over azimuths so far [radians] apart: modes that were left
+  /// out count by what such a mean leaves of them.
+  [[nodiscard]] double error_of_mean(int channel, std::size_t i, std::size_t o, double width) const;
   /// The same, but where the medium is steep (mirror flakes, a narrow forward peak) and the modes
   /// of order 2 left out would add more than the tolerance, that order is integrated directly
   /// (volume/second_order.h; milliseconds), and the fit of volume/mode_tail.h stands for what is

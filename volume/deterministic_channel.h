@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "volume/deterministic.h"
+#include "volume/mode_tail.h"
 #include "volume/second_order.h"
 #include "volume/stack_modes.h"
 
@@ -32,12 +33,17 @@ struct DeterministicField::Channel {
   Cosines in, out;
   std::vector<int> sign_in, sign_out;
   std::optional<SecondOrder> second;  // of steep media
-  // Where the modes of order 2 were integrated directly: its modes beyond `modes`, and what all of
-  // them leave, absolute. Else empty.
+  // Where the modes of order 2 were integrated directly: its modes beyond `modes`, how many of them
+  // a pair has, their error and what those beyond leave, absolute. Else empty.
   std::vector<Parts> more_second;
-  Parts second_error;
+  Parts second_count, second_error, second_left;
 
   [[nodiscard]] int part(std::size_t i, std::size_t o) const;
+  /// What the modes of a pair leave to those beyond, by how they fall.
+  struct Tails {
+    ModeTail second, third, others;
+  };
+  [[nodiscard]] Tails tails(int part, Eigen::Index row, Eigen::Index column) const;
   [[nodiscard]] bool has_integrated_modes() const { return second_error[0].size() > 0; }
   /// Replaces the modes of order 2 that `second` counts, as many as it needs. tolerance: relative
   /// to scale.

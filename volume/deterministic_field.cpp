@@ -25,6 +25,9 @@ void check_sides(const Stack& stack, std::span<const double> mu_i) {
         throw std::invalid_argument("light from below on a half space or an opaque substrate");
 }
 
+// What sums of modes alone owe.
+double whole(const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; }
+
 // A direction with cosine mu and azimuth phi.
 Direction at(double mu, double phi) {
   return with_grazing_limit(direction_from_mu_phi(std::clamp(mu, -1.0, 1.0), phi));
@@ -176,7 +179,6 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
     const Index row = static_cast<Index>(c.out.place[o]),
                 column = static_cast<Index>(c.in.place[i]);
     const std::size_t count = c.modes.size();
-    std::vector<double> seconds(count), thirds(count), others(count);
     const double step = 2 * std::cos(x);
     double before = step / 2, now = 1, second = 0, second_rest = 0, third = 0, higher = 0;
     for (std::size_t m = 0; m < count; ++m) {
@@ -189,9 +191,6 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       second_rest += weight * r;
       third += weight * t;
       higher += weight * h;
-      seconds[m] = s;
-      thirds[m] = t;
-      others[m] = r + h;
       const double next = step * now - before;
       before = now;
       now = next;
@@ -204,14 +203,13 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
     }
     Sums& sum = sums[k];
     const double scale = std::max(c.mean[part](row, column), c.faint[part]);
-    const ModeTail second_tail = fit_mode_tail(seconds), third_tail = fit_mode_tail(thirds);
-    sum.error = error_ * scale + fit_mode_tail(others).error;
-    // Sums of modes alone owe the whole tail.
-    const auto whole = [](const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; };
+    const auto [second_tail, third_tail, other_tail] = c.tails(part, row, column);
+    sum.error = error_ * scale + other_tail.error;
     const bool integrated = c.has_integrated_modes();
-    const double left_out = integrated      ? c.second_error[part](row, column)
-                            : may_integrate ? second_tail.error
-                                            : whole(second_tail);
+    const double left_out =
+        integrated      ? c.second_error[part](row, column) + c.second_left[part](row, column)
+        : may_integrate ? second_tail.error
+                        : whole(second_tail);
     if (may_integrate) {
       third += third_tail.sum(x);
       sum.error += third_tail.error;
@@ -242,10 +240,44 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
   return value;
 }
 
+double DeterministicField::error_of_mean(int channel, std::size_t i, std::size_t o,
+                                         double width) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  const int part = c.part(i, o);
+  const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
+  const double scale = std::max(c.mean[part](row, column), c.faint[part]);
+  const auto [second, third, others] = c.tails(part, row, column);
+  // The mean of cos(m x) is at most 2 / (m width).
+  const auto remains = [&](double first) { return std::min(1.0, 2 / (first * width)); };
+  const double solved = remains(static_cast<double>(c.modes.size()));
+  double error = error_ * scale + solved * (whole(third) + others.error);
+  if (c.has_integrated_modes())
+    error += c.second_error[part](row, column) +
+             remains(c.second_count[part](row, column)) * c.second_left[part](row, column);
+  else
+    error += solved * whole(second) + (c.second ? second_error_ * scale : 0);
+  return error;
+}
+
+DeterministicField::Channel::Tails DeterministicField::Channel::tails(int part, Index row,
+                                                                      Index column) const {
+  const std::size_t count = modes.size();
+  std::vector<double> seconds(count), thirds(count), others(count);
+  for (std::size_t m = 0; m < count; ++m) {
+    const OrderModes& mode = modes[m];
+    const MatrixXd& rest = mode.second_rest[part];
+    seconds[m] = mode.second[part](row, column);
+    thirds[m] = mode.third[part](row, column);
+    others[m] = mode.higher[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
+  }
+  return {fit_mode_tail(seconds), fit_mode_tail(thirds), fit_mode_tail(others)};
+}
+
 void DeterministicField::Channel::integrate_second(double tolerance) {
   const Index rows = static_cast<Index>(out.distinct.size()),
               columns = static_cast<Index>(in.distinct.size());
-  for (MatrixXd& error : second_error) error = MatrixXd::Zero(rows, columns);
+  for (Parts* parts : {&second_count, &second_error, &second_left})
+    parts->fill(MatrixXd::Zero(rows, columns));
   struct CosinePair {
     Index row, column;
     double mu_i, mu_o;
@@ -267,9 +299,11 @@ void DeterministicField::Channel::integrate_second(double tolerance) {
     for (int count = static_cast<int>(modes.size());; count += count / 2) {
       SecondOrder::Modes integrated = second->modes(mu_i, mu_o, count, allowed / 4);
       const ModeTail tail = fit_mode_tail({integrated.f.data(), static_cast<std::size_t>(count)});
-      const double left_out = std::abs(tail.sum(0)) + tail.error;
+      const double left_out = whole(tail);
       found[k] = std::move(integrated.f);
-      second_error[part](row, column) = integrated.error + left_out;
+      second_count[part](row, column) = count;
+      second_error[part](row, column) = integrated.error;
+      second_left[part](row, column) = left_out;
       if (left_out <= allowed || count >= kMostSecondModes) break;
     }
   });
@@ -301,7 +335,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
   field.second_error_ = accuracy_.second_error;
   for (std::size_t k = 0; k < channels_.size(); ++k) {
     auto channel = std::make_shared<DeterministicField::Channel>(DeterministicField::Channel{
-        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt, {}, {}});
+        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt, {}, {}, {}, {}});
     for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
     for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
     const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,

@@ -19,41 +19,83 @@ constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 48;
 constexpr double kQuadratureShare = 0.1;
 constexpr int kModeOrders = 3;  // orders 2, 3, 4+
 
-// Rows of cells with the points that sample them, in a parameter t from 0 to 1 of the elevation e,
-// mu = sin e: odd modes behave like the sine of the polar angle, which is smooth in the angle only.
+// Where f is steep within a panel: at one of its ends, or nowhere.
+enum class Steep { nowhere, low, high };
+
+// Rows of cells, the first and last perhaps in part, with the points that sample them, in a
+// parameter t from 0 to 1 of the elevation e, mu = sin e: odd modes behave like the sine of the
+// polar angle, which is smooth in the angle only.
 struct Panel {
   int first_row, end_row;
   double low, high;  // elevations
+  Steep steep = Steep::nowhere;
   int points = kPoints;
 
-  // Radiance behaves like mu log mu at grazing: e = high t^3 makes that smooth.
-  [[nodiscard]] bool grazes() const { return low == 0; }
+  // Radiance behaves like mu log mu at grazing, and that of mirror flakes likewise about |mu_i|:
+  // the distance from there as t^3 makes that smooth.
   [[nodiscard]] double elevation(double t) const {
-    return grazes() ? high * t * t * t : low + (high - low) * t;
+    const double length = high - low, back = 1 - t;
+    return steep == Steep::low    ? low + length * t * t * t
+           : steep == Steep::high ? high - length * back * back * back
+                                  : low + length * t;
   }
   [[nodiscard]] double mu(double t) const { return std::sin(elevation(t)); }
   // d mu / dt
   [[nodiscard]] double slope(double t) const {
-    return std::cos(elevation(t)) * (grazes() ? 3 * high * t * t : high - low);
+    const double from = steep == Steep::high ? 1 - t : t;
+    return std::cos(elevation(t)) * (high - low) * (steep == Steep::nowhere ? 1 : 3 * from * from);
   }
+  // Within [0, 1], whatever mu is.
   [[nodiscard]] double parameter(double m) const {
-    const double e = std::asin(m);
-    return grazes() ? std::cbrt(e / high) : (e - low) / (high - low);
+    const double part = std::clamp((std::asin(m) - low) / (high - low), 0.0, 1.0);
+    return steep == Steep::low    ? std::cbrt(part)
+           : steep == Steep::high ? 1 - std::cbrt(1 - part)
+                                  : part;
   }
 };
 
-std::vector<Panel> make_panels(const CellGrid& grid) {
-  std::vector<Panel> panels;
+// steep_at: cosines about which f is steep, besides 0.
+std::vector<Panel> make_panels(const CellGrid& grid, const std::vector<double>& steep_at) {
+  constexpr double kSame = 1e-9;  // elevations
+  std::vector<double> steep{0}, ends;
+  for (const double mu : steep_at) steep.push_back(std::asin(std::abs(mu)));
   const int count = std::min(grid.rows(), kPanels);
-  for (int p = 0; p < count; ++p) {
-    const int first = p * grid.rows() / count, end = (p + 1) * grid.rows() / count;
-    panels.push_back({first, end, std::asin(grid.edge_mu(end)), std::asin(grid.edge_mu(first))});
+  for (int p = 0; p <= count; ++p) ends.push_back(std::asin(grid.edge_mu(p * grid.rows() / count)));
+  for (const double e : steep) ends.push_back(e);
+  std::sort(ends.begin(), ends.end());
+  ends.erase(
+      std::unique(ends.begin(), ends.end(), [](double x, double y) { return y - x < kSame; }),
+      ends.end());
+  const auto is_steep = [&](double e) {
+    return std::any_of(steep.begin(), steep.end(),
+                       [&](double s) { return std::abs(s - e) < kSame; });
+  };
+  std::vector<Panel> panels;
+  const auto add = [&](double low, double high, Steep where) {
+    Panel panel{grid.rows(), 0, low, high, where};
+    for (int row = 0; row < grid.rows(); ++row)
+      if (std::asin(grid.edge_mu(row)) > low + kSame &&
+          std::asin(grid.edge_mu(row + 1)) < high - kSame) {
+        panel.first_row = std::min(panel.first_row, row);
+        panel.end_row = row + 1;
+      }
+    panels.push_back(panel);
+  };
+  for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+    const double low = ends[k], high = ends[k + 1], middle = (low + high) / 2;
+    const bool at_low = is_steep(low), at_high = is_steep(high);
+    if (at_low && at_high) {
+      add(low, middle, Steep::low);
+      add(middle, high, Steep::high);
+    } else {
+      add(low, high, at_low ? Steep::low : at_high ? Steep::high : Steep::nowhere);
+    }
   }
   return panels;
 }
 
-// Weights of a panel's points for the cosine-weighted mean over each of its rows: the integral of
-// the interpolating polynomial.
+// Weights of a panel's points for its part of the cosine-weighted mean over each of its rows: the
+// integral of the interpolating polynomial.
 Eigen::MatrixXd row_weights(const Panel& panel, const CellGrid& grid) {
   const Quadrature& nodes = cached_gauss_legendre(panel.points);
   const Quadrature& rule = cached_gauss_legendre(panel.points + 4);
@@ -61,11 +103,9 @@ Eigen::MatrixXd row_weights(const Panel& panel, const CellGrid& grid) {
   for (int row = panel.first_row; row < panel.end_row; ++row) {
     const double t0 = panel.parameter(grid.edge_mu(row + 1));
     const double t1 = panel.parameter(grid.edge_mu(row));
-    double size = 0;
     for (Eigen::Index k = 0; k < rule.points.size(); ++k) {
       const double t = t0 + (t1 - t0) * rule.points[k];
-      const double measure = rule.weights[k] * panel.mu(t) * panel.slope(t);
-      size += measure;
+      const double measure = (t1 - t0) * rule.weights[k] * panel.mu(t) * panel.slope(t);
       for (int j = 0; j < panel.points; ++j) {
         double basis = 1;
         for (int l = 0; l < panel.points; ++l)
@@ -73,7 +113,8 @@ Eigen::MatrixXd row_weights(const Panel& panel, const CellGrid& grid) {
         weights(row - panel.first_row, j) += measure * basis;
       }
     }
-    weights.row(row - panel.first_row) /= size;
+    const double above = grid.edge_mu(row), below = grid.edge_mu(row + 1);
+    weights.row(row - panel.first_row) /= (above - below) * (above + below) / 2;
   }
   return weights;
 }
@@ -107,17 +148,28 @@ double series_error(const Eigen::VectorXd& coefficients, bool one_row) {
   return last * std::pow(decay, one_row ? 3 : 0.5);
 }
 
-// Means over one row of cells.
+// Means over one row of cells, or a panel's part of them.
 struct RowModes {
   std::array<std::vector<double>, kModeOrders> mode;  // of orders 2, 3, 4+
   double scale = 0;                                   // what errors are relative to
   double error = 0;                                   // of all orders together, but order 1
+
+  RowModes& operator+=(const RowModes& part) {
+    for (int order = 0; order < kModeOrders; ++order) {
+      std::vector<double>& sum = mode[order];
+      sum.resize(std::max(sum.size(), part.mode[order].size()), 0.0);
+      for (std::size_t m = 0; m < part.mode[order].size(); ++m) sum[m] += part.mode[order][m];
+    }
+    scale += part.scale;
+    error += part.error;
+    return *this;
+  }
 };
 
 class RowSampler {
  public:
   RowSampler(const DeterministicSolution& solution, const CellGrid& grid, int channels,
-             bool both_sides, std::vector<double> mu_i, double tolerance)
+             bool both_sides, std::vector<double> mu_i, bool steep_about_mu_i, double tolerance)
       : solution_(solution),
         grid_(grid),
         channels_(channels),
@@ -125,7 +177,7 @@ class RowSampler {
         mu_i_(std::move(mu_i)),
         tolerance_(tolerance),
         rows_(mu_i_.size() * channels * sides_ * grid.rows()) {
-    std::vector<Panel> panels = make_panels(grid);
+    std::vector<Panel> panels = make_panels(grid, steep_about_mu_i ? mu_i_ : std::vector<double>());
     while (!panels.empty()) panels = sample(panels);
   }
 
@@ -154,33 +206,39 @@ class RowSampler {
     for (const Panel& panel : panels) {
       const Eigen::MatrixXd weights = row_weights(panel, grid_);
       const Eigen::MatrixXd transform = legendre_transform(panel.points);
+      const std::size_t rows = panel.end_row - panel.first_row;
+      std::vector<RowModes> parts(mu_i_.size() * channels_ * sides_ * rows);
       std::atomic<bool> good = true;
       tbb::parallel_for(std::size_t{0}, mu_i_.size(), [&](std::size_t i) {
         for (int channel = 0; channel < channels_; ++channel)
           for (int side = 0; side < sides_; ++side)
-            if (!take(panel, weights, transform, field, i, channel, side == 0,
-                      first + side * below))
+            if (!take(panel, weights, transform, field, i, channel, first + side * below,
+                      &parts[((i * channels_ + channel) * sides_ + side) * rows]))
               good = false;
       });
       first += panel.points;
       if (!good && panel.points < kMaxPoints) {
         refined.push_back(panel);
         refined.back().points *= 2;
+        continue;
       }
+      for (std::size_t k = 0; k < parts.size(); ++k)
+        rows_[k / rows * grid_.rows() + panel.first_row + k % rows] += parts[k];
     }
     return refined;
   }
 
-  // Whether the panel's points are enough for this direction, channel and side.
+  // The panel's part of its rows, and whether its points are enough for this direction, channel and
+  // side, whose points begin at `first`.
   bool take(const Panel& panel, const Eigen::MatrixXd& weights, const Eigen::MatrixXd& transform,
-            const DeterministicField& field, std::size_t i, int channel, bool up,
-            std::size_t first) {
+            const DeterministicField& field, std::size_t i, int channel, std::size_t first,
+            RowModes* parts) const {
     const int n = panel.points, rows = panel.end_row - panel.first_row;
     const int modes = field.modes(channel);
     Eigen::VectorXd scale(n), error(n);
     for (int j = 0; j < n; ++j) {
       scale[j] = field.scale(channel, i, first + j);
-      error[j] = field.multiple(i, first + j, 0).error[channel];
+      error[j] = field.error_of_mean(channel, i, first + j, grid_.edge_phi(1));
     }
     // One row's mean is Gauss's rule for f times its weight, which is smooth where f is not: f
     // grows like log mu at grazing for light that grazes.
@@ -200,7 +258,7 @@ class RowSampler {
     }
     const Eigen::VectorXd row_scale = weights * scale, row_error = weights.cwiseAbs() * error;
     for (int r = 0; r < rows; ++r) {
-      RowModes& row = rows_[index(i, channel, up, panel.first_row + r)];
+      RowModes& row = parts[r];
       row.scale = row_scale[r];
       row.error = row_error[r] + left;
       for (int order = 0; order < kModeOrders; ++order) {
@@ -254,6 +312,14 @@ std::vector<CellMean> single_scattering_cells(const Stack& stack, const CellGrid
         tolerance_of_row[row], peaks);
   });
   return cells;
+}
+
+// Whether there are mirror flakes, whose phase functions jump straight on.
+bool has_mirrors(const Stack& stack) {
+  return std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
+    return std::holds_alternative<MirrorFlakes<Sggx>>(layer.medium) ||
+           std::holds_alternative<MirrorFlakes<Vmf>>(layer.medium);
+  });
 }
 
 struct Assembly {
@@ -338,7 +404,8 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
   for (const Direction wi : incident) mu_i.push_back(with_grazing_limit(wi).z);
   // Quadratures finer than what the solver reached would cost time for nothing.
   const double quadrature = std::max(tolerance, solution.accuracy().error / 2);
-  const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i, quadrature);
+  const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i,
+                           has_mirrors(solution.stack()), quadrature);
   const std::vector<DeterministicEnergies> energies = solution.energies(mu_i);
   const Assembly assembly{solution, sampler, grid, plan.channels, quadrature};
   std::vector<RunResult> runs(incident.size());

@@ -171,6 +171,23 @@ TEST(DeterministicRun, CellsOfMirrorsReachTheToleranceThatTheSolverReaches) {
   }
 }
 
+// Orders 2 and up of mirrors are steep about w_o = -w_i, where hundreds of modes hardly suffice at
+// points: the cells that hold it are split there.
+TEST(DeterministicRun, CellsOfMirrorsAboutStraightTransmissionReachTheTolerance) {
+  const Stack stack = stack_of(layer(sggx(0.5, "mirror"), 0.9, 2));
+  const std::vector<Direction> incident{direction_from_degrees(80, 0)};
+  const CellGrid grid{8, 16, false};
+  const auto coarse = runs_of(stack, incident, grid, 1e-4);
+  const auto fine = runs_of(stack, incident, grid, 1e-6);
+  EXPECT_TRUE(fine[0].accuracy->reached) << fine[0].accuracy->error;
+  for (int o = 0; o <= kTallyOrders; ++o) {
+    const LobeEstimate &a = coarse[0].transmitted.lobes[o], &b = fine[0].transmitted.lobes[o];
+    for (std::size_t k = 0; k < a.value.size(); ++k)
+      EXPECT_NEAR(a.value[k], b.value[k], a.standard_error[k] + b.standard_error[k])
+          << "lobe " << o << ", cell " << k;
+  }
+}
+
 TEST(DeterministicRun, TheLedgerClosesAndTheCellsHoldItsEnergies) {
   const Stack stacks[] = {
       stack_of(layer(vmf(0.5, "lambert"), 1, 1.5)), stack_of(layer(kSphere, 1, kInfinity)),
