@@ -17,7 +17,7 @@ SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
 CCACHE :=
 LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF -DLAMELLA_UNITY=OFF)
 
-.PHONY: demo test bench asan soak format tidy install-build-packages install-test-packages \
+.PHONY: demo test bench account asan soak format tidy install-build-packages install-test-packages \
   install-format-packages release clean
 
 demo: release
@@ -31,6 +31,10 @@ test: install-test-packages release
 
 bench: release
 	./build/release/lamella bench
+
+# Instructions of the compiled loops of walks.
+account: release
+	python3 tests/structure/loop_account.py build/release/lamella
 
 asan: install-test-packages
 	cmake --preset asan $(LAUNCHER)

@@ -66,6 +66,19 @@ std::uint64_t calibrate(double seconds, const Advance& advance) {
   }
 }
 
+// Cycles a second of this core now: a chain of multiplications, which take 3 cycles each on x86-64.
+double core_frequency() {
+  constexpr int kChain = 3'000'000;
+  std::uint64_t x = 3;
+  const double seconds = seconds_of([&] {
+    for (int k = 0; k < kChain; ++k) {
+      x *= 0x9E3779B97F4A7C15u;
+      asm volatile("" : "+r"(x));
+    }
+  });
+  return 3 * kChain / seconds;
+}
+
 void measure_walk(const BenchmarkStack& which, const Task& task, const BenchmarkEffort& effort,
                   std::uint64_t seed, const ReportRow& report) {
   const Stack stack = load_stack(which.name);
@@ -101,7 +114,9 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
   if (task.generator == TextbookGenerator::engine)
     row.baseline.replace(row.baseline.find("pcg32"), 5, "the engine's generator");
   row.ratio_to_baseline = times.median_ratio() * collisions / textbook_collisions;
-  row.extra = {{"walks", simulation->walks()}, {"isa", to_text(simulation->isa())}};
+  row.extra = {{"walks", simulation->walks()},
+               {"isa", to_text(simulation->isa())},
+               {"cycles_per_collision", core_frequency() * times.total_first() / collisions}};
   if (const auto use = simulation->lane_use()) {
     row.extra["lane_occupancy"] = use->occupancy;
     row.extra["null_collisions"] = use->null;

@@ -24,6 +24,13 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("variance_ratio"))
     note +=
         fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
+  if (row.extra.contains("cycles_per_collision"))
+    note += fmt::format("; {:.3g} cycles per collision",
+                        row.extra["cycles_per_collision"].get<double>());
+  if (row.extra.contains("lane_occupancy"))
+    note += fmt::format(", lanes {:.1f} % occupied, {:.0f} % of them at null collisions",
+                        100 * row.extra["lane_occupancy"].get<double>(),
+                        100 * row.extra["null_collisions"].get<double>());
   if (row.extra.contains("nodes"))
     note += fmt::format("{}{} nodes, {} modes, {:.2g} MB", note.empty() ? "" : ", ",
                         row.extra["nodes"].get<int>(), row.extra["modes"].get<int>(),

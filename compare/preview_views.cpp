@@ -32,7 +32,7 @@ void add_channels(ExrImage& image, const std::string& layer, const PreviewImage&
     for (const Rgb& v : from.radiance) values.push_back(v[c]);
     const std::string letter(1, "RGB"[c]);
     if (plain) image.channels.emplace_back(letter, exr_values(values));
-    image.channels.emplace_back(layer + "." + letter, exr_values(values));
+    image.channels.emplace_back(fmt::format("{}.{}", layer, letter), exr_values(values));
   }
 }
 
