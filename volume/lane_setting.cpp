@@ -98,6 +98,15 @@ class LayerWriter {
   Direction incident_;
 };
 
+template <class Scalar>
+bool is_upright(const LayerNumbers<Scalar>& layers, int count) {
+  const auto& a = layers.value;
+  for (int k = 0; k < count; ++k)
+    if (a[kA + 1][k] != 0 || a[kA + 3][k] != 0 || a[kA + 4][k] != 0 || a[kA][k] != a[kA + 2][k])
+      return false;
+  return true;
+}
+
 }  // namespace
 
 SggxMatrix<double> inverse_of(const SggxMatrix<double>& a) {
@@ -152,6 +161,7 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
     common_albedo = common_albedo && !fresnel && channels(layer.albedo) == albedo;
   }
   layers.tables = tables.data();
+  walk.upright = is_upright(layers, walk.layer_count);
   if (walk.substrate) {
     walk.kinds |= 1u << static_cast<int>(LaneMediumKind::substrate);
     walk.words = std::max(walk.words, words_of(LaneMediumKind::substrate));

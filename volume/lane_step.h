@@ -26,7 +26,8 @@ struct WalkSetting {
   int layer_count = 0;
   unsigned kinds = 0;  ///< bit LaneMediumKind: there is a layer of it, or a substrate
   bool substrate = false, fresnel = false, from_above = true;
-  bool grey = true;  ///< all channels are the same
+  bool grey = true;      ///< all channels are the same
+  bool upright = false;  ///< all matrices are UprightSggxMatrix's
   Scalar wi[3] = {};
   /// Above 0: every walk collides; this is the chance that it would.
   Scalar forced_chance = 0;
@@ -85,19 +86,22 @@ struct AnyMedia {
   using Words = WordsOf<Real>;
   const WalkSetting<Scalar>& t;
   Words count;
-  bool one_kind, has_vmf;
+  bool one_kind, has_vmf, has_sggx;
 
   LAMELLA_INLINE explicit AnyMedia(const WalkSetting<Scalar>& setting)
       : t(setting),
         count(static_cast<std::uint32_t>(setting.layer_count)),
         one_kind((setting.kinds & (setting.kinds - 1)) == 0),
-        has_vmf((setting.kinds & (1u << static_cast<int>(LaneMediumKind::vmf_mirror) |
-                                  1u << static_cast<int>(LaneMediumKind::vmf_lambert))) != 0) {}
+        has_vmf(has(LaneMediumKind::vmf_mirror) || has(LaneMediumKind::vmf_lambert)),
+        has_sggx(has(LaneMediumKind::sggx_mirror) || has(LaneMediumKind::sggx_lambert)) {}
+  LAMELLA_INLINE bool has(LaneMediumKind kind) const {
+    return (t.kinds >> static_cast<int>(kind) & 1u) != 0;
+  }
   LAMELLA_INLINE int words() const { return t.words; }
 
   template <class M, class F>
   LAMELLA_INLINE void visit_kind(Words layer, Real kind, const F& f) const {
-    if (!(t.kinds >> static_cast<int>(M::kKind) & 1u)) return;
+    if (!has(M::kKind)) return;
     const Mask here = equal(kind, Real(static_cast<int>(M::kKind)));
     if (!one_kind && !any(here)) return;
     f(M(LayerPerLane<Real>{*t.layers, layer}), std::false_type{}, here);
@@ -120,43 +124,60 @@ struct AnyMedia {
 
   LAMELLA_INLINE Real inverse_area(Words layer, Vec3<Real> w) const {
     const LayerPerLane<Real> numbers{*t.layers, layer};
-    // Particles have the unit matrix.
-    const Real inverse = SggxOnLanes<Real, SggxMatrix>(numbers).inverse_area(w);
+    Real inverse(1);  // particles
+    if (has_sggx)     // of which they have the unit matrix
+      inverse = t.upright ? SggxOnLanes<Real, UprightSggxMatrix>(numbers).inverse_area(w)
+                          : SggxOnLanes<Real, SggxMatrix>(numbers).inverse_area(w);
     if (!has_vmf) return inverse;
     return select(numbers(kFront) > Real(0), VmfOnLanes<Real>(numbers).inverse_area(w), inverse);
   }
-  /// Moves y and the layer by a flight of `remaining` mean free paths, exactly across layers, of
-  /// the lanes that fly; which of them end at a collision (the substrate's, too).
-  LAMELLA_INLINE Mask fly(Vec3<Real> wi, Real remaining, Mask flies, Words& layer, Real& y) const {
+
+  /// A flight of some lanes, on its way.
+  struct Flight {
+    Mask flies, collides, down;
+    Real inverse_mu, remaining;
+  };
+  /// By `remaining` mean free paths, of the lanes `flies`.
+  LAMELLA_INLINE Flight begin_flight(Vec3<Real> wi, Real remaining, Mask flies, Words& layer,
+                                     Real& y) const {
     using std::abs;
-    const Mask down = wi.z > Real(0);
-    const Real inverse_mu = reciprocal(max(abs(wi.z), Real(1e-30)));
     if (t.substrate) {  // leaves it upwards
       const Mask from = flies & to_float_mask(equal(layer, count));
       layer = select(to_word_mask(from), layer - Words(1u), layer);
       y = select(from, lookup(t.layers->value[kDepth], layer), y);
     }
-    Mask collides = without(flies, flies);
-    for (;;) {
-      const Real inverse = inverse_area(layer, wi), depth = lookup(t.layers->value[kDepth], layer);
-      const Real to = multiply_add(remaining * inverse, wi.z, y);
-      const Mask inside = flies & ((down & (to < depth)) | without(to > Real(0), down));
-      collides = collides | inside;
-      y = select(inside, to, y);
-      flies = without(flies, inside);
-      if (!any(flies)) return collides;
-      const Real way = select(down, depth - y, y);
-      // Of a half space that is left downwards nothing remains to be crossed.
-      const Real spent = min(way * inverse_mu, Real(1e30)) * reciprocal(inverse);
-      remaining = nonnegative(remaining - spent);
-      const auto up_words = to_word_mask(without(flies, down)),
-                 down_words = to_word_mask(flies & down);
-      layer = select(up_words, layer - Words(1u), select(down_words, layer + Words(1u), layer));
-      if (t.substrate) collides = collides | (flies & to_float_mask(equal(layer, count)));
-      flies = flies & to_float_mask(layer < count);
-      y = select(flies, select(down, Real(0), lookup(t.layers->value[kDepth], layer)), y);
-      if (!any(flies)) return collides;
+    return {flies, without(flies, flies), wi.z > Real(0), reciprocal(max(abs(wi.z), Real(1e-30))),
+            remaining};
+  }
+  /// Through one layer, or to a collision in it; whether any lane flies on.
+  LAMELLA_INLINE bool cross(Flight& f, Vec3<Real> wi, Words& layer, Real& y) const {
+    const Real inverse = inverse_area(layer, wi), depth = lookup(t.layers->value[kDepth], layer);
+    const Real to = multiply_add(f.remaining * inverse, wi.z, y);
+    const Mask inside = f.flies & ((f.down & (to < depth)) | without(to > Real(0), f.down));
+    f.collides = f.collides | inside;
+    y = select(inside, to, y);
+    f.flies = without(f.flies, inside);
+    if (!any(f.flies)) return false;
+    const Real way = select(f.down, depth - y, y);
+    // Of a half space that is left downwards nothing remains to be crossed.
+    Real spent = min(way * f.inverse_mu, Real(1e30));
+    if (has_vmf || has_sggx) spent = spent * reciprocal(inverse);
+    f.remaining = nonnegative(f.remaining - spent);
+    const auto up_words = to_word_mask(without(f.flies, f.down)),
+               down_words = to_word_mask(f.flies & f.down);
+    layer = select(up_words, layer - Words(1u), select(down_words, layer + Words(1u), layer));
+    if (t.substrate) f.collides = f.collides | (f.flies & to_float_mask(equal(layer, count)));
+    f.flies = f.flies & to_float_mask(layer < count);
+    y = select(f.flies, select(f.down, Real(0), lookup(t.layers->value[kDepth], layer)), y);
+    return any(f.flies);
+  }
+  /// Moves y and the layer by such a flight, exactly across layers; which lanes end at a collision
+  /// (the substrate's, too).
+  LAMELLA_INLINE Mask fly(Vec3<Real> wi, Real remaining, Mask flies, Words& layer, Real& y) const {
+    Flight flight = begin_flight(wi, remaining, flies, layer, y);
+    while (cross(flight, wi, layer, y)) {
     }
+    return flight.collides;
   }
 };
 

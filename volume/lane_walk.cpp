@@ -14,11 +14,6 @@ void walk_medium(const LaneWalkTask& t, LaneSums& sums) {
     walks_of<0, Set>(t, sums, NoScore{});
 }
 
-bool is_upright(const LaneWalkTask& t) {
-  const auto& a = t.walk.layers->value;
-  return a[kA + 1][0] == 0 && a[kA + 3][0] == 0 && a[kA + 4][0] == 0 && a[kA][0] == a[kA + 2][0];
-}
-
 }  // namespace
 
 void walk_lanes(const LaneWalkTask& t, LaneSums& sums) {
@@ -28,11 +23,11 @@ void walk_lanes(const LaneWalkTask& t, LaneSums& sums) {
     case LaneMediumKind::henyey_greenstein:
       return walk_medium<HenyeyGreensteinOnLanes>(t, sums);
     case LaneMediumKind::sggx_mirror:
-      return is_upright(t) ? walk_medium<UprightSggxMirrorOnLanes>(t, sums)
-                           : walk_medium<SggxMirrorOnLanes>(t, sums);
+      return t.walk.upright ? walk_medium<UprightSggxMirrorOnLanes>(t, sums)
+                            : walk_medium<SggxMirrorOnLanes>(t, sums);
     case LaneMediumKind::sggx_lambert:
-      return is_upright(t) ? walk_medium<UprightSggxLambertOnLanes>(t, sums)
-                           : walk_medium<SggxLambertOnLanes>(t, sums);
+      return t.walk.upright ? walk_medium<UprightSggxLambertOnLanes>(t, sums)
+                            : walk_medium<SggxLambertOnLanes>(t, sums);
     case LaneMediumKind::vmf_mirror:
       return walk_medium<VmfMirrorOnLanes>(t, sums);
     case LaneMediumKind::vmf_lambert:

@@ -289,9 +289,35 @@ template <int C, class Set, class Score>
       idle = idle & w.free;
     }
     if (!any(!idle)) break;
-    for (Walks& w : all) {
-      const FloatMask active = !w.free;
-      count_ends(w, step(t.walk, set, w.state, active, score), active, std::false_type{});
+    if constexpr (Set::kSingle) {
+      for (Walks& w : all) {
+        const FloatMask active = !w.free;
+        count_ends(w, step(t.walk, set, w.state, active, score), active, std::false_type{});
+      }
+    } else {
+      // Flights of all sets cross layers by turns.
+      typename Set::Flight flights[kSets];
+      LaneEnds<Floats> now[kSets];
+      for (int k = 0; k < kSets; ++k) {
+        LaneState<Floats, C>& w = all[k].state;
+        LaneDraws<Floats> draws;
+        draw(set, w, draws);
+        const FloatMask active = !all[k].free;
+        now[k] = scatter(t.walk, set, w, draws, active, score);
+        flights[k] = set.begin_flight(w.wi, draws.remaining, active & now[k].ends, w.layer, w.y);
+      }
+      for (bool flying = true; flying;) {
+        flying = false;
+        for (int k = 0; k < kSets; ++k) {
+          LaneState<Floats, C>& w = all[k].state;
+          if (any(flights[k].flies)) flying |= set.cross(flights[k], w.wi, w.layer, w.y);
+        }
+      }
+      for (int k = 0; k < kSets; ++k) {
+        const FloatMask active = !all[k].free;
+        now[k].ends = without(active, flights[k].collides);
+        count_ends(all[k], now[k], active, std::false_type{});
+      }
     }
     if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
     steps += kSets;
