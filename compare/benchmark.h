@@ -96,6 +96,10 @@ void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
 /// What the plan saves against the general one on the same stack, one thread.
 void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// Stacks with layers of several media against stacks of each of them alone: what it costs that
+/// lanes of one packet are in different media, one thread.
+void measure_mixed(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// One thread against the calling thread's task arena.
 void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 

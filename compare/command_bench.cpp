@@ -60,6 +60,7 @@ struct BenchPart {
 };
 const std::vector<BenchPart>& parts() {
   static const std::vector<BenchPart> list{{"walks", measure_walks},
+                                           {"mixed", measure_mixed},
                                            {"plan", measure_plan},
                                            {"threads", measure_threads},
                                            {"accuracy", measure_accuracy},
