@@ -281,7 +281,7 @@ void DeterministicField::Channel::integrate_second(double tolerance) {
   struct CosinePair {
     Index row, column;
     double mu_i, mu_o;
-    auto operator<=>(const CosinePair&) const = default;
+    auto operator<=>(const CosinePair&) const = default;  // NOLINT(modernize-use-nullptr): its 0
   };
   std::vector<CosinePair> pairs;
   for (std::size_t i = 0; i < in.place.size(); ++i)

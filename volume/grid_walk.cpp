@@ -407,6 +407,6 @@ RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident, s
   return plan.channels == 1
              ? runner_of<1>(walked, incident, seed, estimator, targets, points, batches)
              : runner_of<3>(walked, incident, seed, estimator, targets, points, batches);
-}
+}  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): std::function owns the runner
 
 }  // namespace lamella

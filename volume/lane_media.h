@@ -233,7 +233,7 @@ struct VmfOnLanes {
   }
   /// sigma(w), absolute error below 2e-7.
   LAMELLA_INLINE Real sigma(Vec3<Real> w) const {
-    const Real x = multiply_add(up * w.z, Real(kMarginalPieces / 2), Real(kMarginalPieces / 2));
+    const Real x = multiply_add(up * w.z, Real(0.5 * kMarginalPieces), Real(0.5 * kMarginalPieces));
     return nonnegative(
         tabulated(Words(4u * kMarginalPieces), min(nonnegative(x), Real(kMarginalPieces - 1e-3))));
   }

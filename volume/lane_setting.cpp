@@ -86,7 +86,8 @@ class LayerWriter {
     const double kappa = vmf_concentration(flakes.alpha()), u = dot(incident_, axis);
     set(kKappa, kappa);
     set(kDensityScale, vmf_density(kappa, 1) / 4);
-    set(kTable, static_cast<double>(to_.tables.size() / 4));
+    const std::size_t pieces = to_.tables.size() / 4;
+    set(kTable, static_cast<double>(pieces));
     const std::vector<float> marginals = vmf_marginals(kappa);
     to_.tables.insert(to_.tables.end(), marginals.begin(), marginals.end());
     append_cubics(to_.tables, [&](double t) { return vmf_sigma(2 * t - 1, flakes.alpha()); });

@@ -44,7 +44,7 @@ template <class Grid>
 typename Grid::Ptr grid_named(const openvdb::GridPtrVec& grids, const std::string& name) {
   for (const auto& grid : grids) {
     if (grid->getName() != name) continue;
-    if (const auto typed = openvdb::gridPtrCast<Grid>(grid)) return typed;
+    if (auto typed = openvdb::gridPtrCast<Grid>(grid)) return typed;
     throw GridFileError(fmt::format("grid \"{}\": found values of type {}; allowed: {}", name,
                                     grid->valueType(),
                                     kComponents<Grid> == 1 ? "float" : "vec3s (three floats)"));
@@ -193,7 +193,7 @@ typename Grid::Ptr to_grid(const VoxelField<N>& field, const std::string& name,
       value = typename Grid::ValueType(v[0], v[1], v[2]);
   };
   set_value(background);
-  const auto grid = Grid::create(value);
+  auto grid = Grid::create(value);
   grid->setName(name);
   if (name == "density") grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   openvdb::math::Mat4d scale = openvdb::math::Mat4d::identity();
