@@ -36,7 +36,8 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
                         row.extra["nodes"].get<int>(), row.extra["modes"].get<int>(),
                         1e-6 * row.extra["bytes"].get<double>());
   if (row.extra.contains("exponent"))
-    note += fmt::format(", exponent {:.2f}", row.extra["exponent"].get<double>());
+    note += fmt::format("{}exponent {:.2f}", note.empty() ? "" : ", ",
+                        row.extra["exponent"].get<double>());
   if (row.extra.contains("reached") && !row.extra["reached"].get<bool>()) note += ", not reached";
   if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
     note += note.empty() ? "extrapolated" : ", extrapolated";
