@@ -166,7 +166,7 @@ RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w)
   const Stack& stack = solution.stack();
   const double along[] = {w.z};
   const DeterministicEnergies entering = solution.energies(along)[0];
-  const double node_error = solution.accuracy().node_error;
+  const double node_error = solution.accuracy().node_error + solution.accuracy().second_error;
   const double through = entering.transmitted[kTallyOrders].r + entering.uncollided.r;
   const double factor = std::expm1(stack.one_sidedness() * (w.z > 0 ? 1 : -1));
   check.predicted = 1 + factor * through;

@@ -322,6 +322,10 @@ void DeterministicField::Channel::integrate_second(double tolerance) {
   }
 }
 
+bool DeterministicSolution::integrates_second() const {
+  return steep_ && is_second_integrated(accuracy_.second_error, tolerance_);
+}
+
 DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
                                                 std::span<const double> mu_o,
                                                 bool second_integrated) const {
@@ -368,9 +372,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
             orders.second_rest[part] = orders.second[part] - (*counted)[part];
             orders.second[part] = std::move((*counted)[part]);
           }
-    if (second_integrated && channel->second &&
-        is_second_integrated(accuracy_.second_error, tolerance_))
-      channel->integrate_second(tolerance_ / 5);
+    if (second_integrated && integrates_second()) channel->integrate_second(tolerance_ / 5);
     field.channels_.push_back(std::move(channel));
   }
   return field;

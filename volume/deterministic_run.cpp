@@ -373,16 +373,20 @@ struct Assembly {
     return worst;
   }
 
-  // An energy from the solver's nodes: its error is theirs and how far the cells are from it.
+  // An energy from the solver's nodes: its error is theirs and how far the cells are from it, which
+  // tells that of order 2 where only the cells have it integrated.
   [[nodiscard]] Estimate energy(double on_nodes, const SideResult& side, int lobe, int c) const {
-    double off = 0;
+    const DeterministicAccuracy& accuracy = solution.accuracy();
     const std::size_t cells = grid.cells();
+    double off = 0, error = accuracy.node_error;
+    if (side.lobes[lobe].value.empty() || !solution.integrates_second())
+      error += accuracy.second_error;
     if (!side.lobes[lobe].value.empty()) {
       double sum = 0;
       for (std::size_t k = 0; k < cells; ++k) sum += side.lobes[lobe].value[c * cells + k];
       off = std::abs(grid.projected_solid_angle() * sum - on_nodes);
     }
-    return {on_nodes, off + solution.accuracy().node_error * std::abs(on_nodes)};
+    return {on_nodes, off + error * std::abs(on_nodes)};
   }
 
   void energies(SideResult& side, const std::array<Rgb, kSolvedOrders>& on_nodes) const {
