@@ -141,6 +141,7 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
   const auto estimator = take(values, "estimator");
   const auto seed = take(values, "seed");
   const auto tolerance = take(values, "tolerance");
+  const auto seconds = take(values, "time");
   if (estimator && *estimator == "analog")
     throw UsageError(
         "truth: key \"estimator\": found \"analog\", which counts light in cells and never meets a "
@@ -153,7 +154,8 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
                     *estimator));
   if (!values.empty())
     throw UsageError(
-        fmt::format("truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance",
+        fmt::format("truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance, "
+                    "time (seconds of estimator=deterministic)",
                     values[0].first));
   check_pairs(pairs, *stack);
   Options with_seed = options;
@@ -168,6 +170,15 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
       throw UsageError(fmt::format(
           "truth: key \"tolerance\": found \"{}\"; allowed: a number in (0, inf)", *tolerance));
     with_seed.tolerance = *number;
+  }
+  if (seconds) {
+    const auto number = parse_number(*seconds);
+    if (with_seed.estimator != "deterministic" || !number || !(*number > 0))
+      throw UsageError(
+          fmt::format("truth: key \"time\": found \"{}\" with estimator={}; allowed: a number of "
+                      "seconds above 0 with estimator=deterministic",
+                      *seconds, with_seed.estimator));
+    with_seed.seconds = *number;
   }
   if (seed) {
     const auto number = parse_whole_number(*seed);

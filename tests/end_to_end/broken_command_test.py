@@ -113,6 +113,8 @@ class BrokenCommandLines(ProgramTest):
         self.refused(["eval", "truth", "stack=sggx_slab", "wlks=10", *pairs], '"wlks"', "allowed:")
         self.refused(["eval", "truth", "stack=sggx_slab", "seed=-1", *pairs], '"-1"', "allowed:")
         self.refused(["eval", "truth", "stack=sggx_slab", "estimator=x", *pairs], '"x"', "allowed:")
+        self.refused(["eval", "truth", "stack=sggx_slab", "time=3", *pairs], '"3"', "allowed:",
+                     "estimator=deterministic")
         self.refused(["eval", "media.sgx.sigma", *pairs], '"media.sgx.sigma"',
                      'did you mean "media.sggx.sigma"?', "allowed:")
         self.refused(["eval", "media.sggx.sigma", "roughness=2", *pairs], '"roughness"', "found 2",

@@ -85,6 +85,13 @@ class EvalAnswersInCsv(ProgramTest):
         columns, _ = self.eval("truth", "stack=vmf_sand", "walks=200")
         self.assertEqual(columns, ["f_r", "f_g", "f_b", "se_r", "se_g", "se_b"])
 
+    def test_the_solver_of_truth_takes_a_time(self):
+        columns, rows = self.eval("truth", "stack=lambert_sphere_halfspace", "time=60",
+                                  "estimator=deterministic", "tolerance=1e-6")
+        self.assertIn("se", " ".join(columns))
+        for value, error in rows:
+            self.assertLess(error, 2e-6 * value)
+
     def test_truth_takes_walks_and_seed_as_keys_or_options(self):
         def values(*words):
             return self.eval("truth", "stack=sggx_slab", *words)[1]
