@@ -61,7 +61,8 @@ const EstimatorChoice& GroundTruth::choice() {
         fmt::print(stderr, "lamella: warning: {} means nothing to the deterministic estimator\n",
                    option);
     const auto solve = [&](const DeterministicSolution& solution) {
-      return deterministic_runs(solution, plan_, directions_, grid_, options_.tolerance);
+      return deterministic_runs(solution, plan_, directions_, grid_, options_.tolerance,
+                                &interrupted);
     };
     solved_ = solve(*choice_->solution);
     if (worst_bound(solved_) > options_.tolerance && choice_->solution->accuracy().reached &&

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <span>
 #include <vector>
 
@@ -21,10 +22,12 @@ namespace lamella {
 ///
 /// accuracy.error becomes the largest bound of a cell of the lobe "all", relative to the mean over
 /// the azimuth at its mu, and accuracy.reached says whether that is within `tolerance`.
+/// `stop`, where there is one, ends the refinement once it is true; bounds say what that leaves.
 /// Runs in the calling thread's task arena; `seconds` holds each result's share of the time.
 [[nodiscard]] std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
                                                         const Plan& plan,
                                                         std::span<const Direction> incident,
-                                                        CellGrid grid, double tolerance);
+                                                        CellGrid grid, double tolerance,
+                                                        const std::atomic<bool>* stop = nullptr);
 
 }  // namespace lamella
