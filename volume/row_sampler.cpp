@@ -112,11 +112,11 @@ std::vector<RowSampler::Panel> RowSampler::Panel::make(const CellGrid& grid,
                        [&](double s) { return std::abs(s - e) < kSame; });
   };
   std::vector<Panel> panels;
-  const auto add = [&](double low, double high, Steep where) {
-    Panel panel{grid.rows(), 0, low, high, where};
+  const auto add = [&](double from, double to, Steep where) {
+    Panel panel{grid.rows(), 0, from, to, where};
     for (int row = 0; row < grid.rows(); ++row)
-      if (std::asin(grid.edge_mu(row)) > low + kSame &&
-          std::asin(grid.edge_mu(row + 1)) < high - kSame) {
+      if (std::asin(grid.edge_mu(row)) > from + kSame &&
+          std::asin(grid.edge_mu(row + 1)) < to - kSame) {
         panel.first_row = std::min(panel.first_row, row);
         panel.end_row = row + 1;
       }
