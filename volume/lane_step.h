@@ -124,8 +124,8 @@ struct AnyMedia {
 
   LAMELLA_INLINE Real inverse_area(Words layer, Vec3<Real> w) const {
     const LayerPerLane<Real> numbers{*t.layers, layer};
-    Real inverse(1);  // particles
-    if (has_sggx)     // of which they have the unit matrix
+    Real inverse(1);
+    if (has_sggx)  // particles have the unit matrix
       inverse = t.upright ? SggxOnLanes<Real, UprightSggxMatrix>(numbers).inverse_area(w)
                           : SggxOnLanes<Real, SggxMatrix>(numbers).inverse_area(w);
     if (!has_vmf) return inverse;
