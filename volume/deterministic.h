@@ -70,6 +70,11 @@ struct DeterministicEnergies {
   }
 };
 
+/// The largest mean of cos(m x) over an interval so wide [radians].
+[[nodiscard]] inline double share_in_mean(double m, double width) {
+  return m * width > 2 ? 2 / (m * width) : 1;
+}
+
 /// Solved modes for lists of incoming and outgoing cosines: f at any azimuth is a short sum.
 class DeterministicField {
  public:

@@ -33,8 +33,9 @@ struct DeterministicField::Channel {
   Cosines in, out;
   std::vector<int> sign_in, sign_out;
   std::optional<SecondOrder> second;  // of steep media
-  // Where the modes of order 2 were integrated directly: its modes beyond `modes`, how many of them
-  // a pair has, their error and what those beyond leave, absolute. Else empty.
+  // Where the modes of order 2 were integrated directly: its modes beyond `modes`, the last of them
+  // continued by their fit; how many of a pair's were integrated, their error, and what the fit's
+  // error and the modes beyond leave, absolute. Else empty.
   std::vector<Parts> more_second;
   Parts second_count, second_error, second_left;
 

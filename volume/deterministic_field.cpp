@@ -15,8 +15,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
-// Of order 2 at one pair: near straight transmission they fall algebraically.
-constexpr int kMostSecondModes = 400;
+// Of order 2 at one pair: near straight transmission they fall algebraically. As many are
+// integrated, and as many are had with those that a fit continues.
+constexpr int kMostSecondModes = 400, kMostContinuedModes = 2400;
 
 void check_sides(const Stack& stack, std::span<const double> mu_i) {
   if (!stack.is_open_below())
@@ -27,6 +28,22 @@ void check_sides(const Stack& stack, std::span<const double> mu_i) {
 
 // What sums of modes alone owe.
 double whole(const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; }
+
+// Continues modes by their fit until those beyond leave less than `allowed`, or are too many;
+// returns what they leave.
+double continue_modes(Eigen::ArrayXd& modes, const ModeTail& tail, double allowed) {
+  if (tail.amplitude == 0) return 0;
+  double left = std::abs(tail.sum(0));
+  std::vector<double> more;
+  for (int m = tail.first; m < kMostContinuedModes && left > allowed; ++m) {
+    more.push_back(tail.at(m));
+    left = std::max(0.0, left - 2 * std::abs(more.back()));
+  }
+  const Index integrated = modes.size();
+  modes.conservativeResize(integrated + static_cast<Index>(more.size()));
+  std::copy(more.begin(), more.end(), modes.data() + integrated);
+  return left;
+}
 
 // A direction with cosine mu and azimuth phi.
 Direction at(double mu, double phi) {
@@ -247,13 +264,12 @@ double DeterministicField::error_of_mean(int channel, std::size_t i, std::size_t
   const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
   const double scale = std::max(c.mean[part](row, column), c.faint[part]);
   const auto [second, third, others] = c.tails(part, row, column);
-  // The mean of cos(m x) is at most 2 / (m width).
-  const auto remains = [&](double first) { return std::min(1.0, 2 / (first * width)); };
-  const double solved = remains(static_cast<double>(c.modes.size()));
+  const double solved = share_in_mean(static_cast<double>(c.modes.size()), width);
   double error = error_ * scale + solved * (whole(third) + others.error);
   if (c.has_integrated_modes())
-    error += c.second_error[part](row, column) +
-             remains(c.second_count[part](row, column)) * c.second_left[part](row, column);
+    error +=
+        c.second_error[part](row, column) +
+        share_in_mean(c.second_count[part](row, column), width) * c.second_left[part](row, column);
   else
     error += solved * whole(second) + (c.second ? second_error_ * scale : 0);
   return error;
@@ -299,7 +315,7 @@ void DeterministicField::Channel::integrate_second(double tolerance) {
     for (int count = static_cast<int>(modes.size());; count += count / 2) {
       SecondOrder::Modes integrated = second->modes(mu_i, mu_o, count, allowed / 4);
       const ModeTail tail = fit_mode_tail({integrated.f.data(), static_cast<std::size_t>(count)});
-      const double left_out = whole(tail);
+      const double left_out = tail.error + continue_modes(integrated.f, tail, allowed / 4);
       found[k] = std::move(integrated.f);
       second_count[part](row, column) = count;
       second_error[part](row, column) = integrated.error;

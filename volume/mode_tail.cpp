@@ -35,10 +35,6 @@ ModeTail through(std::span<const double> modes, const std::array<int, 3>& m) {
   return tail;
 }
 
-double at(const ModeTail& tail, double m) {
-  return tail.amplitude * std::exp(-tail.exponent * std::log(m) - tail.rate * m);
-}
-
 double without_fit(std::span<const double> modes) {
   const std::size_t count = modes.size();
   const auto largest = [&](std::size_t from) {
@@ -55,12 +51,16 @@ double without_fit(std::span<const double> modes) {
 
 }  // namespace
 
+double ModeTail::at(double m) const {
+  return amplitude * std::exp(-exponent * std::log(m) - rate * m);
+}
+
 double ModeTail::sum(double x) const {
   if (amplitude == 0) return 0;
   double total = 0;
-  const double least = 1e-6 * std::abs(at(*this, first));
+  const double least = 1e-6 * std::abs(at(first));
   for (int m = first; m < kReach * first; ++m) {
-    const double f = at(*this, m);
+    const double f = at(m);
     total += 2 * f * std::cos(m * x);
     if (std::abs(f) < least) break;
   }
@@ -79,7 +79,7 @@ ModeTail fit_mode_tail(std::span<const double> modes) {
   const ModeTail earlier = through(modes, {3 * count / 8, count / 2, 5 * count / 8});
   if (tail.rate * count + tail.exponent < 1.5) return none;
   tail.first = count;
-  const double trust = std::abs(at(earlier, count - 1) / modes[count - 1] - 1);
+  const double trust = std::abs(earlier.at(count - 1) / modes[count - 1] - 1);
   tail.error = std::min(none.error, std::clamp(trust, 1e-3, 1.0) * std::abs(tail.sum(0)));
   return tail;
 }

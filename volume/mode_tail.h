@@ -12,6 +12,8 @@ struct ModeTail {
   int first = 0;
   double error = 0;  ///< bound of the sum of 2 |f_m| that is not accounted for
 
+  /// f_m
+  [[nodiscard]] double at(double m) const;
   /// Sum of 2 f_m cos(m x).
   [[nodiscard]] double sum(double x) const;
 };

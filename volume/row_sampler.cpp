@@ -217,10 +217,11 @@ bool RowSampler::take(const Panel& panel, const Eigen::MatrixXd& weights,
                       std::size_t i, int channel, std::size_t first, RowModes* parts) const {
   const int n = panel.points, rows = panel.end_row - panel.first_row;
   const int modes = field.modes(channel);
+  const double width = grid_.edge_phi(1);
   Eigen::VectorXd scale(n), error(n);
   for (int j = 0; j < n; ++j) {
     scale[j] = field.scale(channel, i, first + j);
-    error[j] = field.error_of_mean(channel, i, first + j, grid_.edge_phi(1));
+    error[j] = field.error_of_mean(channel, i, first + j, width);
   }
   // One row's mean is Gauss's rule for f times its weight, which is smooth where f is not: f
   // grows like log mu at grazing for light that grazes.
@@ -235,7 +236,7 @@ bool RowSampler::take(const Panel& panel, const Eigen::MatrixXd& weights,
       for (int order = 0; order < kModeOrders; ++order)
         values(j, order) = field.mode(channel, order + 1, m, i, first + j);
     means.emplace_back(weights * values);
-    left += (m == 0 ? 1 : 2) *
+    left += (m == 0 ? 1 : 2) * share_in_mean(m, width) *
             series_error(transform * weight.cwiseProduct(values.rowwise().sum()), rows == 1);
   }
   const Eigen::VectorXd row_scale = weights * scale, row_error = weights.cwiseAbs() * error;

@@ -188,6 +188,30 @@ TEST(DeterministicRun, CellsOfMirrorsAboutStraightTransmissionReachTheTolerance)
   }
 }
 
+// What is owed is the modes that a fit continues, by how far the fit is to be trusted.
+TEST(DeterministicSoak, CellsOfMirrorsReachEightDigits) {
+  if (!is_soak()) GTEST_SKIP() << "minutes: set LAMELLA_SOAK";
+  const Stack stack = stack_of(layer(sggx(0.5, "mirror"), 0.9, 2));
+  const std::vector<Direction> incident{direction_from_degrees(80, 0)};
+  const CellGrid grid{8, 16, false};
+  const Plan plan = make_plan(stack);
+  const auto runs = [&](double tolerance) {
+    const DeterministicSolution solution =
+        solve_deterministic(stack, {.tolerance = 0.5 * tolerance, .max_seconds = 3000});
+    return deterministic_runs(solution, plan, incident, grid, tolerance).front();
+  };
+  const RunResult coarse = runs(1e-7), fine = runs(1e-8);
+  EXPECT_LE(fine.accuracy->error, 1e-8);
+  for (const bool reflected : {true, false})
+    for (int o = 0; o <= kTallyOrders; ++o) {
+      const LobeEstimate& a = (reflected ? coarse.reflected : coarse.transmitted).lobes[o];
+      const LobeEstimate& b = (reflected ? fine.reflected : fine.transmitted).lobes[o];
+      for (std::size_t k = 0; k < a.value.size(); ++k)
+        EXPECT_NEAR(a.value[k], b.value[k], a.standard_error[k] + b.standard_error[k])
+            << "lobe " << o << ", cell " << k;
+    }
+}
+
 TEST(DeterministicRun, TheLedgerClosesAndTheCellsHoldItsEnergies) {
   const Stack stacks[] = {
       stack_of(layer(vmf(0.5, "lambert"), 1, 1.5)), stack_of(layer(kSphere, 1, kInfinity)),

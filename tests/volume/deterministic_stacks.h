@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <limits>
 #include <string>
 
@@ -10,6 +11,8 @@
 namespace lamella {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+inline bool is_soak() { return std::getenv("LAMELLA_SOAK") != nullptr; }
 
 inline Stack stack_of(const std::string& toml) { return parse_stack(toml, "test", "test"); }
 

@@ -14,8 +14,6 @@
 namespace lamella {
 namespace {
 
-bool is_soak() { return std::getenv("LAMELLA_SOAK") != nullptr; }
-
 DeterministicSolution solved(const std::string& toml, double tolerance = 1e-7) {
   const DeterministicSolution s = solve_deterministic(stack_of(toml), {.tolerance = tolerance});
   EXPECT_TRUE(s.accuracy().reached) << toml << s.accuracy().error;
