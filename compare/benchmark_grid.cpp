@@ -9,8 +9,6 @@
 namespace lamella {
 namespace {
 
-constexpr std::uint64_t kMaxOrder = 1000;
-
 // Tiles of 96^3 voxels: a few dense balls in empty space, and density everywhere.
 struct GridCase {
   const char* name;
@@ -59,7 +57,7 @@ Stack stack_of(const GridCase& which) {
 }
 
 Plan plan_of(const Stack& stack, const GridCase& which, MajorantCells cells) {
-  return make_plan(stack, kMaxOrder,
+  return make_plan(stack, {},
                    {std::make_shared<const DensityGrid>(stack.layers[0], which.voxels, cells)});
 }
 

@@ -8,7 +8,8 @@
 namespace lamella {
 namespace {
 
-constexpr std::uint64_t kMaxOrder = 1000;
+// Of the textbook loops, too.
+const WalkLimits kLimits{.max_order = kMaxOrder, .thinning = Thinning{}};
 constexpr CellGrid kCells{};
 
 struct Task {
@@ -82,7 +83,7 @@ double core_frequency() {
 void measure_walk(const BenchmarkStack& which, const Task& task, const BenchmarkEffort& effort,
                   std::uint64_t seed, const ReportRow& report) {
   const Stack stack = load_stack(which.name);
-  Plan plan = make_plan(stack, kMaxOrder);
+  Plan plan = make_plan(stack, kLimits);
   plan.isa = effort.isa;
   const Direction wi = benchmark_incident();
   const std::vector<Direction> points = benchmark_points(task.points);
@@ -140,8 +141,8 @@ void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const Repor
   for (const Estimator estimator : {Estimator::analog, Estimator::next_event})
     one.execute([&] {
       const Direction wi = benchmark_incident();
-      Simulation narrow(stack, make_plan(stack, kMaxOrder), wi, estimator, kCells, seed);
-      Simulation general(stack, general_plan(stack, kMaxOrder), wi, estimator, kCells, seed);
+      Simulation narrow(stack, make_plan(stack, kLimits), wi, estimator, kCells, seed);
+      Simulation general(stack, general_plan(stack, kLimits), wi, estimator, kCells, seed);
       const auto advance = [](Simulation& s, std::uint64_t n) { s.advance(s.walks() + n); };
       const std::uint64_t walks =
           calibrate(2 * effort.repetition_seconds, [&](std::uint64_t n) { advance(narrow, n); });
@@ -172,7 +173,7 @@ void measure_threads(const BenchmarkEffort& effort, std::uint64_t seed, const Re
   const Stack stack = load_stack(name);
   const int threads = tbb::this_task_arena::max_concurrency();
   tbb::task_arena one(1);
-  Plan plan = make_plan(stack, kMaxOrder);
+  Plan plan = make_plan(stack, kLimits);
   plan.isa = effort.isa;
   const Direction wi = benchmark_incident();
   Simulation single(stack, plan, wi, Estimator::analog, kCells, seed);

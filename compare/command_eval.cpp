@@ -153,10 +153,10 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
                     "deterministic",
                     *estimator));
   if (!values.empty())
-    throw UsageError(
-        fmt::format("truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance, "
-                    "time (seconds of estimator=deterministic)",
-                    values[0].first));
+    throw UsageError(fmt::format(
+        "truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance, "
+        "time (seconds of estimator=deterministic)",
+        values[0].first));
   check_pairs(pairs, *stack);
   Options with_seed = options;
   with_seed.estimator = estimator.value_or("auto");
@@ -196,8 +196,8 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
     truth = truth_at(*choice.solution, pairs.pairs);
     warn_of_bounds(truth, *choice.solution, with_seed.tolerance);
   } else {
-    truth = truth_at(*stack, pairs.pairs, with_seed.walks, options.max_order, with_seed.seed,
-                     isa_of(options), &interrupted);
+    truth = truth_at(*stack, plan_of(options, *stack), pairs.pairs, with_seed.walks, with_seed.seed,
+                     &interrupted);
   }
   for (const TruthValue& v : truth) {
     answer.f.push_back(v.f);

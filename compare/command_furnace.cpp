@@ -162,6 +162,10 @@ int furnace_command(const Options& options) {
   answer["interrupted"] = interrupted.load();
   answer["runs"] = std::move(runs);
   if (!options.quiet) {
+    if (truth.estimator() != Estimator::deterministic && plan.thinning.is_on())
+      fmt::print(out,
+                 "long walks are thinned: what that takes and gives is counted with what is "
+                 "absorbed (--thin-from 0: none are)\n");
     fmt::print(out, "{}\n", overall);
     if (overall == "inconclusive" && truth.estimator() == Estimator::deterministic)
       fmt::print(out, "the solver's bound is too wide to judge by (--tolerance, --time)\n");
@@ -170,7 +174,7 @@ int furnace_command(const Options& options) {
           out,
           "walks cut after {} events hold more light than the noise (--max-order), or too few "
           "walks hit what scatters sharply (--walks, --estimator analog)\n",
-          options.max_order);
+          truth.plan().max_order);
   }
   write_html(answer, stack.name + ": white furnace", options);
   write_json(answer, options);

@@ -90,7 +90,7 @@ int homogenise_command(const Options& options) {
         stack.name));
   const std::vector<double> factors = factors_of(options);
   if (!options.output.empty()) check_output_file(options.output);
-  const Plan plan = make_plan(stack, options.max_order);
+  const Plan plan = make_plan(stack, walk_limits(options));
   const std::vector<Direction> directions = incident_directions(options, stack);
   check_estimator(stack, options);  // the solver does not apply
   const Estimator estimator =
@@ -108,9 +108,9 @@ int homogenise_command(const Options& options) {
   Json list = Json::array();
   for (const double factor : factors) {
     const Grids grids = scaled(stack, plan.grids, factor);
-    const Plan grid_plan = make_plan(stack, options.max_order, grids);
+    const Plan grid_plan = make_plan(stack, walk_limits(options), grids);
     const Stack layers = homogenised(stack, grids);
-    Plan layer_plan = make_plan(layers, options.max_order);
+    Plan layer_plan = make_plan(layers, walk_limits(options));
     // The same cells and channels as the grid's.
     layer_plan.isa = isa_of(options);
     layer_plan.folded = false;

@@ -88,7 +88,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   options.walks_given = !walks.empty();
   if (options.walks_given) options.walks = parse_walks(walks);
   for (const CLI::App* command : app.get_subcommands())
-    for (const char* name : {"--walks", "--target-error", "--max-order", "--time"})
+    for (const char* name : {"--walks", "--target-error", "--max-order", "--thin-from", "--time"})
       if (const CLI::Option* option = command->get_option_no_throw(name); option && *option)
         options.walk_options.emplace_back(name);
   return std::nullopt;

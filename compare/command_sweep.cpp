@@ -35,14 +35,22 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
     for (const double v : axis.values) values.push_back(json_number(v));
     list.push_back({{"path", axis.path}, {"values", std::move(values)}});
   }
-  Json settings{{"version", LAMELLA_VERSION},     {"of", options.of},
-                {"stack", to_json(stack)},        {"axes", std::move(list)},
-                {"incident", options.incident},   {"walks", options.walks},
-                {"max_order", options.max_order}, {"grid", options.grid},
-                {"estimator", options.estimator}, {"isa", options.isa},
-                {"tolerance", options.tolerance}, {"walk_options", options.walk_options},
-                {"seed", options.seed},           {"models", options.models},
+  Json settings{{"version", LAMELLA_VERSION},
+                {"of", options.of},
+                {"stack", to_json(stack)},
+                {"axes", std::move(list)},
+                {"incident", options.incident},
+                {"walks", options.walks},
+                {"grid", options.grid},
+                {"estimator", options.estimator},
+                {"isa", options.isa},
+                {"tolerance", options.tolerance},
+                {"walk_options", options.walk_options},
+                {"seed", options.seed},
+                {"models", options.models},
                 {"as_is", options.as_is}};
+  settings["max_order"] = options.max_order ? Json(*options.max_order) : Json();
+  settings["thin_from"] = options.thin_from ? Json(*options.thin_from) : Json();
   settings["target_error"] = options.target_error ? Json(*options.target_error) : Json();
   settings["time"] = options.seconds ? Json(*options.seconds) : Json();
   return settings;

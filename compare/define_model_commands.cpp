@@ -18,7 +18,7 @@ void define_eval(CommandLine& line) {
       ->required()
       ->type_name("FILE");
   add_walks(command, line, "Walks per incident direction, of truth");
-  add_max_order(command, line);
+  add_walk_limits(command, line);
   add_seed(command, line);
   add_threads(command, line);
 }
@@ -81,7 +81,7 @@ void define_fit(CommandLine& line) {
                      "TOML file, - for stdin, or a built-in stack of SGGX mirror flakes and "
                      "Henyey-Greenstein layers, four at most");
   add_walks(command, line, "Walks per incident direction");
-  add_max_order(command, line);
+  add_walk_limits(command, line);
   add_seed(command, line);
   add_threads(command, line);
   command
@@ -110,7 +110,7 @@ void define_invert(CommandLine& line) {
       ->type_name("THETA[,PHI]");
   command.add_flag("--bond", line.closed.bond, "Light from everywhere instead: the Bond albedo");
   add_walks(command, line, "Walks per evaluation, of a stack");
-  add_max_order(command, line);
+  add_walk_limits(command, line);
   add_seed(command, line);
   add_threads(command, line);
   add_json(command, line);

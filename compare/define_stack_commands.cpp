@@ -86,7 +86,7 @@ void define_preview(CommandLine& line) {
       ->transform(whole_number(16, 2048))
       ->type_name("N");
   add_walks(command, line, "Walks per incident direction, where the stack is not solved");
-  add_max_order(command, line);
+  add_walk_limits(command, line);
   add_estimator(command, line);
   add_seed(command, line);
   add_threads(command, line);
@@ -115,7 +115,7 @@ void define_explain(CommandLine& line) {
       line.add("explain", "What the walk models of a stack, and why",
                "lamella explain spongecake_plant", [&] { return explain_command(line.options); });
   add_stack(command, line);
-  add_max_order(command, line);
+  add_walk_limits(command, line);
   add_isa(command, line);
   add_json(command, line);
 }

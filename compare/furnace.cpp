@@ -78,8 +78,10 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
   const std::size_t count = targets.count();
   const double solid_angle = targets.grid.projected_solid_angle();
   const double t = t_quantile(level);
-  // A closed form's sampler gives weights that are the albedo in the mean only.
-  const bool weighs = simulation.stack().substrate && simulation.stack().substrate->law;
+  // A closed form's sampler gives weights that are the albedo in the mean only, and what thinning
+  // takes and gives is counted with what is absorbed.
+  const bool is_noisy = (simulation.stack().substrate && simulation.stack().substrate->law) ||
+                        simulation.plan().thinning.is_on();
   for (int c = 0; c < run.channels; ++c) {
     // The difference of the estimator and the ledger per batch: what both share cancels.
     const auto seen = [&](const BatchTally& b) {
@@ -100,7 +102,7 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     const double error = furnace.energy[c].standard_error;
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
-    const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
+    const double lost = run.absorbed[c].value - (is_noisy ? t * run.absorbed[c].standard_error : 0);
     FurnaceVerdict verdict = FurnaceVerdict::pass;
     if ((std::abs(defect.value) > noise && !too_few) || (white && lost > 1e-12))
       verdict = FurnaceVerdict::fail;

@@ -129,6 +129,8 @@ Json to_json(const RunResult& run) {
                        {"nodes", a->nodes},
                        {"modes", a->modes},
                        {"bytes", a->bytes}};
+  if (!run.is_bounded()) out["max_order"] = run.max_order;
+  if (run.thinning.is_on()) out["thinned_from"] = run.thinning.first;
   if (run.holes > 0) out["holes"] = run.holes;
   return out;
 }

@@ -40,6 +40,19 @@ CLI::Validator whole_number(std::uint64_t from, std::uint64_t to) {
           ""};
 }
 
+CLI::Validator power_of_two_or_none() {
+  static constexpr std::uint64_t kMost = 1 << 20;
+  return {[](std::string& text) {
+            const auto value = parse_whole_number(text);
+            if (!value || *value > kMost || (*value & (*value - 1)) != 0)
+              return fmt::format("found \"{}\"; allowed: 0, or a power of two up to {}", text,
+                                 kMost);
+            text = fmt::format("{}", *value);
+            return std::string();
+          },
+          ""};
+}
+
 CLI::Validator one_of(const std::vector<std::string>& words) {
   return {[words](std::string& text) {
             if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
@@ -72,11 +85,21 @@ void add_walks(CLI::App& command, CommandLine& line, const std::string& doc) {
       ->type_name("N");
 }
 
-void add_max_order(CLI::App& command, CommandLine& line) {
+void add_walk_limits(CLI::App& command, CommandLine& line) {
   command
       .add_option("--max-order", line.options.max_order,
-                  "Walks beyond it are cut and reported as unresolved (default 1000)")
+                  fmt::format("Walks beyond it are cut and reported as unresolved (default {}, or "
+                              "{} where they are thinned, {} in colour)",
+                              kMaxOrder, kThinnedMaxOrder, kThinnedColorMaxOrder))
       ->transform(whole_number(1, std::uint64_t{1} << 62))
+      ->type_name("K");
+  command
+      .add_option(
+          "--thin-from", line.options.thin_from,
+          "Thin long walks: after K events, a power of two, and every fourfold of that half "
+          "of them end, and the others count double; 0: never (default: 16 or later where "
+          "that pays, see explain)")
+      ->transform(power_of_two_or_none())
       ->type_name("K");
 }
 
@@ -164,7 +187,7 @@ void add_run_options(CLI::App& command, CommandLine& line) {
                   "Stop after S seconds per incident direction; the solver: in all")
       ->transform(positive_number())
       ->type_name("S");
-  add_max_order(command, line);
+  add_walk_limits(command, line);
   add_estimator(command, line);
   add_seed(command, line);
   add_threads(command, line);

@@ -16,7 +16,7 @@ void add_stack(CLI::App& command, CommandLine& line);
 void add_json(CLI::App& command, CommandLine& line);
 void add_html(CLI::App& command, CommandLine& line);
 void add_walks(CLI::App& command, CommandLine& line, const std::string& doc);
-void add_max_order(CLI::App& command, CommandLine& line);
+void add_walk_limits(CLI::App& command, CommandLine& line);
 void add_tolerance(CLI::App& command, CommandLine& line);
 void add_estimator(CLI::App& command, CommandLine& line);
 void add_seed(CLI::App& command, CommandLine& line);

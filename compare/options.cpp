@@ -128,8 +128,14 @@ Isa isa_of(const Options& options) {
   }
 }
 
+WalkLimits walk_limits(const Options& options) {
+  WalkLimits limits{.max_order = options.max_order};
+  if (options.thin_from) limits.thinning = Thinning{*options.thin_from};
+  return limits;
+}
+
 Plan plan_of(const Options& options, const Stack& stack) {
-  Plan plan = make_plan(stack, options.max_order);
+  Plan plan = make_plan(stack, walk_limits(options));
   plan.isa = isa_of(options);
   return plan;
 }

@@ -33,7 +33,8 @@ struct Options {
   std::vector<std::string> incident{};  ///< THETA[,PHI] in degrees
   std::uint64_t walks = 1000000;
   std::optional<double> target_error{}, seconds{};
-  std::uint64_t max_order = 1000;
+  std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
+  std::optional<std::uint32_t> thin_from{};  ///< likewise, Thinning::first
   /// Options that were given and that only walks have a use for, such as "--walks".
   std::vector<std::string> walk_options{};
   double tolerance = 1e-6;  ///< of the deterministic solver
@@ -82,6 +83,7 @@ struct Options {
 /// --isa, or what `auto` stands for on this machine.
 [[nodiscard]] Isa isa_of(const Options& options);
 /// The narrowest plan for the stack, with --max-order and --isa.
+[[nodiscard]] WalkLimits walk_limits(const Options& options);
 [[nodiscard]] Plan plan_of(const Options& options, const Stack& stack);
 [[nodiscard]] StopRule stop_rule(const Options& options);
 

@@ -32,8 +32,8 @@ Stack sphere_bed(double radius, double packing, double thickness, double albedo)
 
 RunResult walked(const Stack& stack, Direction wi, const CellGrid& grid, std::uint64_t walks,
                  const Options& options, std::uint64_t max_order = 1000) {
-  Simulation simulation(stack, make_plan(stack, max_order), wi, Estimator::analog, grid,
-                        options.seed);
+  Simulation simulation(stack, make_plan(stack, {.max_order = max_order}), wi, Estimator::analog,
+                        grid, options.seed);
   run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, &interrupted);
   return reduce(simulation);
 }
@@ -234,7 +234,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
       angles.push_back(a);
       points.push_back(direction_from_degrees(std::abs(a), a < 0 ? 180 : 0));
     }
-    Simulation simulation(bed, make_plan(bed, 2), wi, points, context.options.seed);
+    Simulation simulation(bed, make_plan(bed, {.max_order = 2}), wi, points, context.options.seed);
     run(simulation, {.walks = context.walks / 4, .target_error = {}, .seconds = {}}, {},
         &interrupted);
     for (int order = 0; order < 2; ++order) {

@@ -23,9 +23,9 @@ double relative_azimuth(Direction wi, Direction wo) {
 
 }  // namespace
 
-std::vector<TruthValue> truth_at(const Stack& stack, const std::vector<DirectionPair>& pairs,
-                                 std::uint64_t walks, std::uint64_t max_order, std::uint64_t seed,
-                                 Isa isa, const std::atomic<bool>* interrupted) {
+std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
+                                 const std::vector<DirectionPair>& pairs, std::uint64_t walks,
+                                 std::uint64_t seed, const std::atomic<bool>* interrupted) {
   struct Point {
     std::size_t pair;
     Direction wo;
@@ -52,8 +52,6 @@ std::vector<TruthValue> truth_at(const Stack& stack, const std::vector<Direction
     }
     by_incident[key(wi)].push_back({k, wo, factor});
   }
-  Plan plan = make_plan(stack, max_order);
-  plan.isa = isa;
   for (auto& [incident, points] : by_incident) {
     std::stable_partition(points.begin(), points.end(), [](const Point& p) { return p.wo.z > 0; });
     std::vector<Direction> directions;

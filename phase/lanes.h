@@ -273,6 +273,15 @@ LAMELLA_INLINE Words rank_of(Mask<T> a) {
 LAMELLA_INLINE Floats number_of(Words a) { return to_floats(a); }
 LAMELLA_INLINE Words word_of(Floats a) { return to_words(a); }
 
+LAMELLA_INLINE Words highest_bit(Words a) {
+  return shift_right<23>(bits_of(to_floats(a))) - Words(127u);
+}
+/// 2^place
+LAMELLA_INLINE Floats power_of_two(Words place) {
+  return from_bits(shift_left<23>(place + Words(127u)));
+}
+LAMELLA_INLINE Words word_with_bit(Words place) { return to_words(power_of_two(place)); }
+
 /// table[index] per lane, of 16 numbers; of the index its last four bits count.
 LAMELLA_INLINE Floats lookup(const float* table, Words index) {
   constexpr int n = Floats::kCount;

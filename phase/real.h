@@ -116,6 +116,13 @@ LAMELLA_INLINE std::uint32_t shift_right(std::uint32_t a) {
   return a >> n;
 }
 
+/// The place of the highest bit of a word from 1 to 2^24, and the word that has no other, the place
+/// being at most 30.
+LAMELLA_INLINE std::uint32_t highest_bit(std::uint32_t a) {
+  return 31u - static_cast<std::uint32_t>(__builtin_clz(a));
+}
+LAMELLA_INLINE std::uint32_t word_with_bit(std::uint32_t place) { return 1u << place; }
+
 /// table[index] of 16 numbers; of the index its last four bits count.
 LAMELLA_INLINE double lookup(const double* table, std::uint32_t index) { return table[index & 15]; }
 LAMELLA_INLINE double gather(const float* table, std::uint32_t index) {

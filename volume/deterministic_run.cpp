@@ -81,10 +81,14 @@ struct Assembly {
         single_scattering_cells(solution.stack(), grid, wi, up, allowed);
     double worst = 0;
     for (int c = 0; c < channels; ++c) {
-      const int modes = static_cast<int>(sampler.row(i, c, up, 0).mode[0].size());
-      const Eigen::MatrixXd cosines = column_cosines(grid, modes);
+      // Rows have as many modes as their points needed.
+      std::size_t most = 0;
+      for (int row = 0; row < grid.rows(); ++row)
+        most = std::max(most, sampler.row(i, c, up, row).mode[0].size());
+      const Eigen::MatrixXd cosines = column_cosines(grid, static_cast<int>(most));
       for (int row = 0; row < grid.rows(); ++row) {
         const RowModes& means = sampler.row(i, c, up, row);
+        const int modes = static_cast<int>(means.mode[0].size());
         for (int column = 0; column < grid.columns(); ++column) {
           const int cell = row * grid.columns() + column;
           const std::size_t k = c * cells + cell;

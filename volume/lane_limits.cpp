@@ -107,11 +107,36 @@ std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   return std::nullopt;
 }
 
+namespace {
+
+// How far the largest term of next-event estimation is beyond what fixed point takes, in bits.
+int bits_beyond(const Stack& stack, const Plan& plan, double largest_inverse_mu) {
+  const double largest = largest_density(stack, plan) * largest_inverse_mu;
+  const double weight = plan.thinning.weight(plan.max_order);
+  return std::max(0, static_cast<int>(std::ceil(std::log2(largest * weight / kPointLimit))));
+}
+
+double largest_inverse_mu(const CellGrid& grid) {
+  return kLargestInverseMu * std::sqrt(grid.rows());
+}
+
+// What is rounded to 2^-26 is rounded to 1e-6 of f still.
+bool is_too_narrow(const Plan& plan, int bits) { return bits > (plan.thinning.is_on() ? 6 : 0); }
+
+}  // namespace
+
+int coarser_bits_at_points(const Stack& stack, const Plan& plan) {
+  return bits_beyond(stack, plan, 1);
+}
+int coarser_bits_in_cells(const Stack& stack, const Plan& plan, const CellGrid& grid) {
+  return bits_beyond(stack, plan, largest_inverse_mu(grid));
+}
+
 std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
                                             const std::vector<Direction>& points) {
   if (auto reason = why_not_lanes(stack, plan)) return reason;
   if (points.empty()) return std::nullopt;
-  if (largest_density(stack, plan) > kPointLimit)
+  if (is_too_narrow(plan, coarser_bits_at_points(stack, plan)))
     return "the phase function is too narrow for fixed point";
   for (const Direction wo : points)
     if (std::abs(wo.z) < kMostGrazingPoint) return "a point this close to grazing asks for double";
@@ -121,7 +146,7 @@ std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan
 std::optional<std::string> why_not_lanes_in_cells(const Stack& stack, const Plan& plan,
                                                   const CellGrid& grid) {
   if (auto reason = why_not_lanes(stack, plan)) return reason;
-  if (largest_density(stack, plan) * kLargestInverseMu * std::sqrt(grid.rows()) > kPointLimit)
+  if (is_too_narrow(plan, coarser_bits_in_cells(stack, plan, grid)))
     return "next-event estimation in cells: the phase function is too narrow for fixed point";
   return std::nullopt;
 }

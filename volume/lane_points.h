@@ -92,7 +92,6 @@ struct NextEventOnLanes {
   static constexpr int kFew = 4;  // up to so many points one after the other, all lanes at once
 
   const LaneWalkTask& t;
-  LaneSums& sums;
   // What few points got from walks without weights and colour, not yet in the sums.
   mutable FixedPointLanes few_sums[kFew][kRouletteOrder] = {};
   mutable int few_terms = 0;
@@ -107,7 +106,8 @@ struct NextEventOnLanes {
                                  const LaneState<Floats, C>& w, FloatMask scatters) const {
     if (t.estimate != LaneEstimate::points && t.estimate != LaneEstimate::cells_next_event) return;
     const FloatMask counts = scatters & to_float_mask(is_below(w.order, Words(t.walk.max_order)));
-    const bool are_few = t.estimate == LaneEstimate::points && t.points.count <= kFew;
+    const bool are_few =
+        t.estimate == LaneEstimate::points && t.points.count <= kFew && t.batch_count == 1;
     if (C == 0 && are_few && t.channels == 1)
       few(all, medium, event, w, counts);
     else if (!any(counts))
@@ -122,7 +122,7 @@ struct NextEventOnLanes {
   [[gnu::noinline]] void empty_few() const {
     for (int j = 0; j < t.points.count && j < kFew; ++j)
       for (int slot = 0; slot < static_cast<int>(kRouletteOrder); ++slot)
-        sums.targets[slot * t.points.padded + j] += few_sums[j][slot].take();
+        t.batches[0].sums->targets[slot * t.points.padded + j] += few_sums[j][slot].take();
     few_terms = 0;
   }
 
@@ -133,13 +133,19 @@ struct NextEventOnLanes {
       const Floats albedo = M::kKind == LaneMediumKind::substrate
                                 ? Floats(t.walk.substrate_albedo[channel])
                                 : lookup(t.walk.layers->value[kAlbedo + channel], w.layer);
-      return w.weight[channel] * albedo;
+      return w.weight[channel] * albedo * walks(w);
     } else {
-      if (t.channels == 1) return Floats(1);
+      if (t.channels == 1) return walks(w);
       const Words order = min(w.order + Words(1u), Words(t.order_cap));
       return gather(t.event_weight + static_cast<std::uint32_t>(channel) * (t.order_cap + 1),
-                    order);
+                    order) *
+             walks(w);
     }
+  }
+  /// How many walks each stands for, in terms' scale.
+  LAMELLA_INLINE Floats walks(const LaneState<Floats, C>& w) const {
+    if (t.walk.thinned_from == 0) return Floats(1);
+    return power_of_two(spared_of(t.walk.thinned_from, w.order)) * Floats(t.term_scale);
   }
   template <class M>
   [[nodiscard]] LAMELLA_INLINE bool has_fresnel(const M&) const {
@@ -182,7 +188,9 @@ struct NextEventOnLanes {
                           const LaneState<Floats, C>& w, FloatMask counts) const {
     const OfSlots slots(w.order, counts);
     for (int j = 0; j < t.points.count; ++j) {
-      const FixedPointLanes::Term term(sent(all, medium, event, w, j));
+      Floats value = sent(all, medium, event, w, j);
+      if (t.walk.thinned_from > 0) value = value * walks(w);
+      const FixedPointLanes::Term term(value);
       for (std::uint32_t k = 0; k < kRouletteOrder; ++k) few_sums[j][k].add(term, slots.of[k]);
     }
     if (++few_terms == FixedPointLanes::kMost) empty_few();
@@ -205,7 +213,7 @@ struct NextEventOnLanes {
         }
         for (std::uint32_t slot = 0; slot < kRouletteOrder; ++slot) {
           if (!any(slots.of[slot])) continue;
-          sums.targets[(static_cast<int>(slot) * t.channels + c) * p.padded + j] +=
+          t.batches[0].sums->targets[(static_cast<int>(slot) * t.channels + c) * p.padded + j] +=
               FixedPoint(select(slots.of[slot], term, Floats(0))).sum();
         }
       }
@@ -219,10 +227,11 @@ struct NextEventOnLanes {
     const StoredEvents stored(medium, event);
     alignas(64) float depths[kLanes], places[kLanes], turn_cos[kLanes], turn_sin[kLanes];
     alignas(64) float shares[3][kLanes];
-    alignas(64) std::uint32_t orders[kLanes], layers[kLanes];
+    alignas(64) std::uint32_t orders[kLanes], layers[kLanes], indices[kLanes];
     w.y.store(depths);
     w.order.store(orders);
     w.layer.store(layers);
+    w.index.store(indices);
     for (int c = 0; c < t.channels; ++c) share(medium, w, c).store(shares[c]);
     const bool cells = t.estimate == LaneEstimate::cells_next_event;
     if (cells) {
@@ -248,6 +257,7 @@ struct NextEventOnLanes {
             at,
             stored.of(lane),
             layer,
+            t.batches[t.batch_of(indices[lane])].sums->targets,
             {Floats(shares[0][lane]), Floats(shares[1][lane]), Floats(shares[2][lane])}};
         if (cells)
           to_cells(sender, slot, depths[lane]);
@@ -268,13 +278,17 @@ struct NextEventOnLanes {
     const M& medium;
     LaneEvent<Floats> event;
     int layer;
+    std::int64_t* targets;
     Floats share[3];
     /// Adds density times `attenuation` towards w_o to the sums, a stride apart for channels.
     LAMELLA_INLINE void send(Vec3<Floats> wo, Floats attenuation, std::int64_t* place,
                              int stride) const {
       const LaneWalkTask& task = to.t;
-      const Floats value = medium.density(event, wo) * attenuation;
-      if (!task.weighs()) return FixedPoint(value).add_to(place);
+      Floats value = medium.density(event, wo) * attenuation;
+      if (!task.weighs()) {
+        if (task.walk.thinned_from > 0) value = value * share[0];
+        return FixedPoint(value).add_to(place);
+      }
       Floats schlick(0);
       if (to.has_fresnel(medium)) schlick = schlick_weight(half_cosine(event.wi, wo));
       for (int c = 0; c < task.channels; ++c) {
@@ -296,7 +310,7 @@ struct NextEventOnLanes {
     const Floats above(substrate ? 0 : y), below(depth - y);
     const float* rates = p.rate + sender.layer * p.padded;
     const float* beyond = p.beyond + sender.layer * p.padded;
-    std::int64_t* at = sums.targets + static_cast<int>(slot) * t.channels * p.padded;
+    std::int64_t* at = sender.targets + static_cast<int>(slot) * t.channels * p.padded;
     for (int j = 0; j < p.padded; j += kLanes) {
       const Vec3<Floats> wo{Floats::load(p.x + j), Floats::load(p.y + j), Floats::load(p.z + j)};
       const Floats way = select(wo.z > Floats(0), above, below);
@@ -368,7 +382,7 @@ struct NextEventOnLanes {
     const Scratch from(cells);
     const int sides = cells.both_sides ? 2 : 1, columns = from.columns;
     const int places = sides * cells.rows * columns;
-    std::int64_t* at = sums.targets + static_cast<int>(slot) * t.channels * places;
+    std::int64_t* at = sender.targets + static_cast<int>(slot) * t.channels * places;
     for (int side = 0; side < sides; ++side)
       for (int r = 0; r < cells.rows; ++r, at += columns) {
         const Floats sine(from.sines[r]), z(side ? -from.mus[r] : from.mus[r]);

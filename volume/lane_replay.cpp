@@ -18,8 +18,8 @@ WalkNumbers<std::uint32_t> numbers_of(std::uint64_t seed, std::uint64_t index) {
 }
 
 template <int C>
-void replay_walk(const LaneSetting<double>& setting, std::uint64_t index, int channels,
-                 const CellTargets& cells, BatchTally& tally) {
+void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uint64_t index,
+                 int channels, const CellTargets& cells, BatchTally& tally) {
   const AnyMedia<double> set(setting.walk);
   LaneState<double, C> w{};
   w.numbers = numbers_of(setting.walk.seed, index);
@@ -37,7 +37,7 @@ void replay_walk(const LaneSetting<double>& setting, std::uint64_t index, int ch
   const int target = straight || end > WalkEnd::down ? -1 : cells.find(-w.wi);
   for (int c = 0; c < channels; ++c) {
     const double at_end = C > 0 ? w.weight[C > 0 ? c : 0] : setting.weight_after(c, of.order);
-    const double weight = setting.chance * (straight ? 1 : at_end);
+    const double weight = setting.chance * (straight ? 1 : at_end * thinning.weight(of.order));
     energy.uncollided[c] += 1 - setting.chance;
     if (straight) {
       energy.uncollided[c] += weight;
@@ -65,8 +65,8 @@ std::vector<BatchTally> replay_in_double(const Stack& stack, const Plan& plan, D
     BatchTally& tally = tallies[batch];
     tally.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * cells.count());
     for (std::uint64_t i = batch; i < walks; i += batches)
-      (setting.common_albedo ? replay_walk<0> : replay_walk<3>)(setting, i, plan.channels, cells,
-                                                                tally);
+      (setting.common_albedo ? replay_walk<0> : replay_walk<3>)(setting, plan.thinning, i,
+                                                                plan.channels, cells, tally);
   });
   return tallies;
 }

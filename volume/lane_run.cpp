@@ -18,7 +18,10 @@ std::size_t padded(std::size_t count) { return (count + 15) / 16 * 16; }
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches)
-    : setting_(stack, plan, incident, seed), incident_(incident), counts_(batches) {
+    : setting_(stack, plan, incident, seed),
+      thinning_(plan.thinning),
+      incident_(incident),
+      counts_(batches) {
   task_.walk = setting_.walk;
   task_.weights = !setting_.common_albedo;
   task_.one_medium = setting_.parts.size() == 1 && !task_.weights;
@@ -64,6 +67,7 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
     return;
   }
   task_.estimate = LaneEstimate::cells_next_event;
+  task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_in_cells(stack, plan, grid)));
   const std::size_t columns = padded(grid.columns()), rows = padded(grid.rows());
   to.padded_columns = static_cast<int>(columns);
   for (std::size_t j = 0; j < columns; ++j) {
@@ -84,6 +88,7 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
     : LaneRun(stack, plan, incident, seed, batches) {
   if (points.empty()) return;
   task_.estimate = LaneEstimate::points;
+  task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_at_points(stack, plan)));
   trace(stack, points);
   for (Counts& c : counts_) c.targets.resize(kOrders * task_.channels * padded(points.size()));
 }
@@ -128,48 +133,76 @@ void LaneRun::trace(const Stack& stack, const std::vector<Direction>& points) {
   task_.points.beyond_by_point = beyond_by_point_.data();
 }
 
-std::uint64_t LaneRun::first_not_finite(LaneWalkTask task) const {
-  // Halves the walks until one is left: they are the same in whatever company.
-  while (task.walks > 1) {
+std::optional<std::uint64_t> LaneRun::first_not_finite(LaneWalkTask task, LaneBatch batch) const {
+  const auto is_finite = [&](LaneBatch part) {
     Counts spare = counts_.front();
     LaneSums sums = spare.sums();
+    part.sums = &sums;
+    task.batches = &part;
+    task.batch_count = 1;
     task.cells.scratch = spare.scratch.data();
-    LaneWalkTask half = task;
-    half.walks = task.walks / 2;
-    walk_(half, sums);
-    if (sums.finite) {
-      task.index_low += half.walks * task.index_stride;
-      half.walks = task.walks - half.walks;
+    walk_(task);
+    return sums.finite;
+  };
+  if (is_finite(batch)) return std::nullopt;
+  // Halves the walks until one is left: they are the same in whatever company.
+  while (batch.walks > 1) {
+    LaneBatch half = batch;
+    half.walks = batch.walks / 2;
+    if (is_finite(half)) {
+      batch.index_low += half.walks * task.index_stride;
+      half.walks = batch.walks - half.walks;
     }
-    task.walks = half.walks;
+    batch.walks = half.walks;
   }
-  return (std::uint64_t{task.index_high} << 32) + task.index_low;
+  return (std::uint64_t{task.index_high} << 32) + batch.index_low;
 }
 
-void LaneRun::run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& tally) {
-  Counts& counts = counts_[batch];
+void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> tallies) {
   LaneWalkTask task = task_;
-  LaneSums sums = counts.sums();
-  task.cells.scratch = counts.scratch.data();
+  task.cells.scratch = counts_[first].scratch.data();
   const std::uint64_t stride = counts_.size();
-  tally.walks += to - from;
-  while (from < to) {
-    // As far as the upper half of the index stays.
-    const std::uint64_t index = from * stride + static_cast<std::uint64_t>(batch);
-    const std::uint64_t low = index & 0xFFFFFFFFu;
-    const std::uint64_t here = std::min(to - from, (0xFFFFFFFFu - low) / stride + 1);
-    task.index_low = static_cast<std::uint32_t>(low);
-    task.index_high = static_cast<std::uint32_t>(index >> 32);
-    task.walks = static_cast<std::uint32_t>(here);
-    walk_(task, sums);
-    if (!sums.finite) throw NonFiniteError(task.walk.seed, first_not_finite(task), incident_);
-    from += here;
+  std::vector<Part> left(parts.begin(), parts.end());
+  std::vector<LaneSums> sums;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    sums.push_back(counts_[first + k].sums());
+    tallies[k].walks += parts[k].to - parts[k].from;
   }
-  counts.lane_steps += sums.lane_steps;
-  counts.busy += sums.busy_lane_steps;
-  counts.events += sums.events;
-  counts.reflections += sums.reflections;
-  to_tally(counts, tally);
+  for (;;) {
+    // As far as the upper half of the index stays.
+    std::vector<LaneBatch> batches;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      const std::uint64_t index = left[k].from * stride + static_cast<std::uint64_t>(first) + k;
+      const std::uint64_t low = index & 0xFFFFFFFFu;
+      const std::uint64_t here =
+          std::min(left[k].to - left[k].from, (0xFFFFFFFFu - low) / stride + 1);
+      task.index_high = static_cast<std::uint32_t>(index >> 32);
+      batches.push_back(
+          {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(here), &sums[k]});
+      left[k].from += here;
+    }
+    if (std::all_of(batches.begin(), batches.end(),
+                    [](const LaneBatch& b) { return b.walks == 0; }))
+      break;
+    task.batches = batches.data();
+    task.batch_count = static_cast<std::uint32_t>(batches.size());
+    walk_(task);
+    if (!sums.front().finite)
+      for (const LaneBatch& batch : batches)
+        if (const auto walk = first_not_finite(task, batch))
+          throw NonFiniteError(task.walk.seed, *walk, incident_);
+  }
+  Counts& counts = counts_[first];
+  counts.lane_steps += sums.front().lane_steps;
+  counts.busy += sums.front().busy_lane_steps;
+  counts.events += sums.front().events;
+  counts.reflections += sums.front().reflections;
+  for (std::size_t k = 0; k < parts.size(); ++k) to_tally(counts_[first + k], tallies[k]);
+  // The first one's counts have all events.
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    tallies.front().collisions += tallies[k].collisions;
+    tallies[k].collisions = 0;
+  }
 }
 
 std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
@@ -202,8 +235,7 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
     energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
     energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
     // A walk has lost to its events what it lacks at its end, and at a last event everything.
-    for (const std::uint64_t walks : ends)
-      energy.absorbed[c] += chance * static_cast<double>(walks);
+    energy.absorbed[c] = chance * static_cast<double>(tally.walks);
     energy.absorbed[c] -= ended(straight, 0) + ended(WalkEnd::unresolved, 0);
     for (int k = 1; k <= kOrders; ++k) {
       energy.up[k - 1][c] = ended(WalkEnd::up, k);
@@ -216,8 +248,10 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   tally.energy = energy;
   tally.collisions = counts.events - counts.reflections;
   // The event that was one too many.
+  const unsigned counted_for = task_.weighs() ? 0 : thinning_.spared(task_.walk.max_order);
   for (int k = 0; k <= kOrders; ++k)
-    tally.collisions -= ends[static_cast<int>(WalkEnd::unresolved) * (kOrders + 1) + k];
+    tally.collisions -=
+        ends[static_cast<int>(WalkEnd::unresolved) * (kOrders + 1) + k] >> counted_for;
 }
 
 void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
@@ -240,7 +274,7 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
   if (task_.estimate == LaneEstimate::energies) return;
   // What an event of an order sends out, where the sums leave that out.
   const auto factor = [&](int slot) {
-    return chance / kPointUnits *
+    return chance / (kPointUnits * static_cast<double>(task_.term_scale)) *
            (task_.weighs() ? 1 : setting_.weight_after(0, slot) * setting_.albedo[0]);
   };
   const bool points = task_.estimate == LaneEstimate::points;

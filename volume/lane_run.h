@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ namespace lamella {
                                                                 const Plan& plan,
                                                                 const CellGrid& grid);
 
+/// By how many bits next-event terms of thinned walks, of which one counts for hundreds, are
+/// rounded more coarsely than to 1 / kPointUnits, so that fixed point holds the largest.
+[[nodiscard]] int coarser_bits_at_points(const Stack& stack, const Plan& plan);
+[[nodiscard]] int coarser_bits_in_cells(const Stack& stack, const Plan& plan, const CellGrid& grid);
+
 /// The walks of one incident direction on lanes. Everything is counted in whole numbers, or in
 /// fixed point, so that a batch's tally does not depend on how its walks were dealt out.
 class LaneRun {
@@ -33,9 +39,15 @@ class LaneRun {
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed, int batches,
           const std::vector<Direction>& points);
 
-  /// The walks from, from + 1, ... to - 1 of a batch; updates the tally to all its walks so far.
-  /// Batches may run at the same time. Throws NonFiniteError.
-  void run(int batch, std::uint64_t from, std::uint64_t to, BatchTally& tally);
+  /// The walks from, from + 1, ... to - 1 of a batch.
+  struct Part {
+    std::uint64_t from, to;
+  };
+  /// Such walks of neighbouring batches, the first of them given; updates their tallies to all
+  /// their walks so far. Several at once where walks are thinned: a few of them are so long that
+  /// others should keep them company. Different batches may run at the same time. Throws
+  /// NonFiniteError.
+  void run(int first, std::span<const Part> parts, std::span<BatchTally> tallies);
 
   [[nodiscard]] LaneUse use() const;
 
@@ -52,7 +64,9 @@ class LaneRun {
               .targets = targets.data()};
     }
   };
-  [[nodiscard]] std::uint64_t first_not_finite(LaneWalkTask task) const;
+  /// The index of such a walk, if the batch has any.
+  [[nodiscard]] std::optional<std::uint64_t> first_not_finite(LaneWalkTask task,
+                                                              LaneBatch batch) const;
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
           int batches);
   void trace(const Stack& stack, const std::vector<Direction>& points);
@@ -62,7 +76,8 @@ class LaneRun {
   void energies_to_tally(const Counts& counts, BatchTally& tally) const;
 
   LaneSetting<float> setting_;
-  void (*walk_)(const LaneWalkTask&, LaneSums&);
+  Thinning thinning_;
+  void (*walk_)(const LaneWalkTask&);
   LaneWalkTask task_;
   Direction incident_;
   CellTargets cells_;

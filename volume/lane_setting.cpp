@@ -143,6 +143,7 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
                        std::copysign(std::max(std::abs(incident.z), 1e-30), incident.z)};
   std::copy(std::begin(wi), std::end(wi), walk.wi);
   walk.max_order = static_cast<std::uint32_t>(plan.max_order);
+  walk.thinned_from = plan.thinning.first;
   walk.seed = seed;
   albedo = channels(stack.layers[plan.layers[0]].albedo);
   common_albedo = !walk.substrate;

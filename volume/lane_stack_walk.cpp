@@ -6,14 +6,14 @@ namespace lamella::LAMELLA_ISA {
 namespace {
 
 template <int C>
-void walk_stack(const LaneWalkTask& t, LaneSums& sums) {
-  walks_of<C, AnyMedia<Floats>>(t, sums, NextEventOnLanes<C>{t, sums});
+void walk_stack(const LaneWalkTask& t) {
+  walks_of<C, AnyMedia<Floats>>(t, NextEventOnLanes<C>{t});
 }
 
 }  // namespace
 
-void walk_stack_lanes(const LaneWalkTask& t, LaneSums& sums) {
-  return t.weights ? walk_stack<3>(t, sums) : walk_stack<0>(t, sums);
+void walk_stack_lanes(const LaneWalkTask& t) {
+  return t.weights ? walk_stack<3>(t) : walk_stack<0>(t);
 }
 
 }  // namespace lamella::LAMELLA_ISA

@@ -6,6 +6,7 @@
 
 #include "phase/color.h"
 #include "volume/lane_media.h"
+#include "volume/thinning.h"
 
 namespace lamella {
 
@@ -37,6 +38,7 @@ struct WalkSetting {
   bool black = false;  ///< the first event ends a walk
   Scalar substrate_albedo[3] = {};
   std::uint32_t max_order = 0;
+  std::uint32_t thinned_from = 0;  ///< Thinning::first
   int words = 1;  ///< random words that an event takes: the most that any of the media needs
   std::uint64_t seed = 0;
 };
@@ -47,7 +49,8 @@ struct LaneState {
   Vec3<Real> wi;  ///< points back to where the light comes from
   Real y;         ///< depth below the layer's top
   WordsOf<Real> layer, order, index;
-  /// Without weights: the event that ends the walk, by roulette or as one too many.
+  /// The event that ends the walk, as one too many or by thinning; without weights by roulette,
+  /// too.
   WordsOf<Real> death;
   WalkNumbers<WordsOf<Real>> numbers;
   Real weight[C > 0 ? C : 1];
@@ -189,6 +192,11 @@ struct NoScore {
   LAMELLA_INLINE void operator()(All, const M&, const LaneEvent<Real>&, const State&, Mask) const {}
 };
 
+/// Likewise, of walks whose index is told.
+struct NoScoreByIndex : NoScore {
+  static constexpr bool kUsesIndex = true;
+};
+
 /// How walks end in a step.
 template <class Real>
 struct LaneEnds {
@@ -299,7 +307,7 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
   w.wi = wi;
   Mask lives;
   if constexpr (C > 0) {
-    const Mask over = events & to_float_mask(is_below(Words(t.max_order), w.order));
+    const Mask over = without(events, to_float_mask(is_below(w.order, w.death)));
     lives = !(over | weigh(w, kept, t.grey, without(events, over),
                            uniform_of(draws.words[kRouletteWord])));
   } else {
@@ -344,13 +352,14 @@ LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>:
   w.y = t.from_above ? Real(0) : bottom;
   w.order = Words(0u);
   for (Real& weight : w.weight) weight = Real(1);
+  w.death = Words(t.max_order + 1);
   if constexpr (C == 0) {
     // The event at which the roulette of the fourth and later ones ends the walk.
     const Real survived =
         min(exponential_of(w.numbers.next()) * Real(t.orders_per_absorption), Real(1e9));
-    w.death = t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder);
-    w.death = min(w.death, Words(t.max_order + 1));
+    w.death = min(w.death, t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder));
   }
+  if (t.thinned_from > 0) w.death = min(w.death, thinned_at(t.thinned_from, w.numbers.next()));
   if (!(t.forced_chance > 0))
     return set.fly(w.wi, exponential_of(flight), exist, w.layer, w.y) & exist;
   // -log(1 - x) by its series, x the uniform number times the chance

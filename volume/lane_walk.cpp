@@ -6,32 +6,34 @@ namespace lamella::LAMELLA_ISA {
 namespace {
 
 template <template <class> class M>
-void walk_medium(const LaneWalkTask& t, LaneSums& sums) {
+void walk_medium(const LaneWalkTask& t) {
   using Set = OneMedium<Floats, M>;
   if (t.estimate == LaneEstimate::points || t.estimate == LaneEstimate::cells_next_event)
-    walks_of<0, Set>(t, sums, NextEventOnLanes<0>{t, sums});
+    walks_of<0, Set>(t, NextEventOnLanes<0>{t});
+  else if (t.batch_count > 1)
+    walks_of<0, Set>(t, NoScoreByIndex{});
   else
-    walks_of<0, Set>(t, sums, NoScore{});
+    walks_of<0, Set>(t, NoScore{});
 }
 
 }  // namespace
 
-void walk_lanes(const LaneWalkTask& t, LaneSums& sums) {
+void walk_lanes(const LaneWalkTask& t) {
   switch (static_cast<LaneMediumKind>(static_cast<int>(t.walk.layers->value[kKind][0]))) {
     case LaneMediumKind::lambert_sphere:
-      return walk_medium<LambertSphereOnLanes>(t, sums);
+      return walk_medium<LambertSphereOnLanes>(t);
     case LaneMediumKind::henyey_greenstein:
-      return walk_medium<HenyeyGreensteinOnLanes>(t, sums);
+      return walk_medium<HenyeyGreensteinOnLanes>(t);
     case LaneMediumKind::sggx_mirror:
-      return t.walk.upright ? walk_medium<UprightSggxMirrorOnLanes>(t, sums)
-                            : walk_medium<SggxMirrorOnLanes>(t, sums);
+      return t.walk.upright ? walk_medium<UprightSggxMirrorOnLanes>(t)
+                            : walk_medium<SggxMirrorOnLanes>(t);
     case LaneMediumKind::sggx_lambert:
-      return t.walk.upright ? walk_medium<UprightSggxLambertOnLanes>(t, sums)
-                            : walk_medium<SggxLambertOnLanes>(t, sums);
+      return t.walk.upright ? walk_medium<UprightSggxLambertOnLanes>(t)
+                            : walk_medium<SggxLambertOnLanes>(t);
     case LaneMediumKind::vmf_mirror:
-      return walk_medium<VmfMirrorOnLanes>(t, sums);
+      return walk_medium<VmfMirrorOnLanes>(t);
     case LaneMediumKind::vmf_lambert:
-      return walk_medium<VmfLambertOnLanes>(t, sums);
+      return walk_medium<VmfLambertOnLanes>(t);
     case LaneMediumKind::substrate:
       break;  // is no layer
   }

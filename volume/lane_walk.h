@@ -44,7 +44,8 @@ enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
 /// What a batch's walks add up to.
 struct LaneSums {
   /// Walks [WalkEnd][order], orders from 4 on together. Of walks without weights and colour that
-  /// are counted in cells, `cells` has those that left and, behind the cells, the others.
+  /// are counted in cells, `cells` has those that left and, behind the cells, the others. Where
+  /// walks are thinned (and have no weights), each counts for those that it stands for.
   std::uint64_t* ends = nullptr;
   /// Weights of walks at their end [channel][WalkEnd][order] in units of 1 / kPointUnits; only if
   /// the task has weights or three channels.
@@ -63,8 +64,15 @@ struct LaneSums {
   bool finite = true;
 };
 
-/// Walks of one batch. Walk j of `walks` has the index (index_high, index_low + j index_stride),
+/// Walks of a batch: the j-th has the index (index_high, index_low + j index_stride) of the task,
 /// which does not overflow.
+struct LaneBatch {
+  std::uint32_t index_low = 0, walks = 0;
+  LaneSums* sums = nullptr;
+};
+
+/// Walks of a batch, or of neighbouring ones, so that the longest walks of one keep company with
+/// the next one's.
 struct LaneWalkTask {
   WalkSetting<float> walk;
   /// One layer of one medium without weights: volume/lane_walk.cpp. Else
@@ -80,13 +88,21 @@ struct LaneWalkTask {
   const std::int64_t* end_weight = nullptr;
   const float* event_weight = nullptr;
   std::uint32_t order_cap = 0;
-  std::uint32_t index_high = 0, index_low = 0, index_stride = 0;
-  std::uint32_t walks = 0;
+  /// Of thinned walks: what next-event terms are scaled by, a power of two.
+  float term_scale = 1;
+  std::uint32_t index_high = 0, index_stride = 0;
+  /// Of several batches the number is the index modulo the stride, a power of two, less that of the
+  /// first. Steps and events count in the first one's sums.
+  const LaneBatch* batches = nullptr;
+  std::uint32_t batch_count = 0;
 
+  [[nodiscard]] LAMELLA_INLINE std::uint32_t batch_of(std::uint32_t index) const {
+    return batch_count == 1 ? 0 : (index - batches[0].index_low) & (index_stride - 1);
+  }
   [[nodiscard]] bool weighs() const { return weights || channels > 1; }
 };
 
-LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task, LaneSums& sums))
-LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task, LaneSums& sums))
+LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task))
 
 }  // namespace lamella

@@ -31,10 +31,10 @@ struct LaneNumbers {
 template <int C, class Set, class Score>
 struct LanePool {
   static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
-  static constexpr bool kDeath = C == 0, kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
+  static constexpr bool kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
   int from = 0, to = 0;
-  std::uint32_t made = 0;  // walks begun so far
-  std::uint64_t uncollided = 0;
+  std::uint32_t batch = 0, made = 0;  // of its walks so many have begun
+  std::uint64_t uncollided = 0;       // among them
   alignas(64) std::uint32_t numbers[4][kRoom];
   alignas(64) std::uint32_t index[kRoom];
   alignas(64) std::uint32_t death[kRoom];
@@ -47,42 +47,63 @@ struct LanePool {
     for (int k = 0; k < left; k += kLanes) {
       for (auto& word : numbers) Words::load(word + from + k).store(word + k);
       if constexpr (kIndex) Words::load(index + from + k).store(index + k);
-      if constexpr (kDeath) Words::load(death + from + k).store(death + k);
+      Words::load(death + from + k).store(death + k);
       if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
       Floats::load(y + from + k).store(y + k);
     }
     from = 0;
     to = left;
     const LaneNumbers blocks(t);
-    while (to < kSize && made < t.walks) {
-      const std::uint32_t rest = t.walks - made;
+    while (to < kSize && batch < t.batch_count) {
+      const LaneBatch& here = t.batches[batch];
+      const std::uint32_t rest = here.walks - made;
+      if (rest == 0) {
+        end_batch(t);
+        continue;
+      }
       const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
       LaneState<Floats, C> w;
       const Words place = Words(made) + Words::iota();
-      w.index = Words(t.index_low) + Words(hn::Mul(place.v, Words(t.index_stride).v));
+      w.index = Words(here.index_low) + Words(hn::Mul(place.v, Words(t.index_stride).v));
       w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
       const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n));
       const int found = count(hits);
       uncollided += static_cast<std::uint64_t>(n - found);
       for (int k = 0; k < 4; ++k) store_compressed(w.numbers.s[k], hits, numbers[k] + to);
       if constexpr (kIndex) store_compressed(w.index, hits, index + to);
-      if constexpr (kDeath) store_compressed(w.death, hits, death + to);
+      store_compressed(w.death, hits, death + to);
       if constexpr (kLayer) store_compressed(w.layer, hits, layer + to);
       store_compressed(w.y, hits, y + to);
       to += found;
       made += static_cast<std::uint32_t>(n);
     }
   }
+
+ private:
+  void end_batch(const LaneWalkTask& t) {
+    LaneSums& sums = *t.batches[batch].sums;
+    const int straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
+    constexpr int kOrders = static_cast<int>(kRouletteOrder + 1);
+    sums.ends[straight * kOrders] += uncollided;
+    for (int c = 0; t.weighs() && c < t.channels; ++c)
+      sums.weights[(c * kWalkEnds + straight) * kOrders] +=
+          static_cast<std::int64_t>(uncollided << 32);
+    ++batch;
+    made = 0;
+    uncollided = 0;
+  }
 };
 
-/// Walks that ended, until there are enough of them to count them at a stretch.
-template <int C>
+/// Walks that ended, until there are enough of them to count them at a stretch. kIndex: each in the
+/// sums of the batch that its index tells.
+template <int C, bool kIndex>
 struct EndedWalks {
   static constexpr int kSize = 512, kRoom = kSize + (kSets + 1) * kLanes;
   static constexpr int kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
   int size = 0;
   alignas(64) std::uint32_t events[kRoom];  // the last bit: an event ended the walk
-  alignas(64) float x[kRoom];               // w_i of the last flight
+  alignas(64) std::uint32_t index[kRoom];
+  alignas(64) float x[kRoom];  // w_i of the last flight
   alignas(64) float y[kRoom];
   alignas(64) float z[kRoom];
   alignas(64) float weight[C > 0 ? C : 1][kRoom];
@@ -90,7 +111,8 @@ struct EndedWalks {
   // Per lane, so that no counter waits for itself.
   std::uint32_t counted[kPlaces][kLanes] = {};
 
-  [[gnu::noinline]] void count_all(const LaneWalkTask& t, LaneSums& sums) {
+  [[gnu::noinline]] void count_all(const LaneWalkTask& t) {
+    const bool thins = t.walk.thinned_from > 0;
     const bool cells = t.estimate == LaneEstimate::cells_counted;
     const bool weighs = t.weighs();
     const int targets = t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
@@ -104,6 +126,7 @@ struct EndedWalks {
       const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
       at.store(place_of + k);
       if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
+      if (thins) spared_of(t.walk.thinned_from, of.order).store(spared_of_walk + k);
       if (!cells) continue;
       targets_of(t, k, of, Words(nowhere) + at).store(target_of + k);
       const Floats flat = Floats::load(x + k) + Floats::load(y + k);
@@ -111,19 +134,30 @@ struct EndedWalks {
       spoiled = spoiled + select(first_lanes<float>(n), flat * Floats(0), Floats(0));
     }
     finite = finite && !any(!equal(spoiled, Floats(0)));
-    if (cells && !weighs)  // a walk in a cell is counted nowhere else
-      for (int j = 0; j < size; ++j) ++sums.cells[target_of[j]];
+    // A walk in a cell is counted nowhere else.
+    if (thins && !weighs)
+      for (int j = 0; j < size; ++j) {
+        LaneSums& sums = sums_of(t, j);
+        const auto walks = std::uint32_t{1} << spared_of_walk[j];
+        if (cells)
+          sums.cells[target_of[j]] += walks;
+        else
+          sums.ends[place_of[j]] += walks;
+      }
+    else if (cells && !weighs)
+      for (int j = 0; j < size; ++j) ++sums_of(t, j).cells[target_of[j]];
     else
       for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
     for (int channel = 0; weighs && channel < t.channels; ++channel) {
-      std::int64_t* weights = sums.weights + channel * kPlaces;
       const int first_cell = channel * nowhere;
       for (int j = 0; j < size; ++j) {
-        const std::int64_t w =
+        LaneSums& sums = sums_of(t, j);
+        std::int64_t w =
             C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][j] * 0x1p32f)
                   : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
                                  order_of[j]];
-        weights[place_of[j]] += w;
+        if (thins) w <<= spared_of_walk[j];
+        sums.weights[channel * kPlaces + static_cast<int>(place_of[j])] += w;
         if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
           sums.cells[first_cell + static_cast<int>(target_of[j])] += w;
       }
@@ -137,7 +171,12 @@ struct EndedWalks {
   }
 
  private:
-  alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom];
+  alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom],
+      spared_of_walk[kRoom];
+
+  LAMELLA_INLINE LaneSums& sums_of(const LaneWalkTask& t, int j) const {
+    return *t.batches[kIndex ? t.batch_of(index[j]) : 0].sums;
+  }
 
   // [slot][target], or `elsewhere`.
   LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, const LaneEnd<Words>& of,
@@ -168,11 +207,12 @@ struct EndedWalks {
 /// The walks of a task. The numbers of a walk are those of (seed, walk), so that it does not matter
 /// when and where it happens.
 template <int C, class Set, class Score>
-[[gnu::noinline]] void walks_of(const LaneWalkTask& t, LaneSums& sums, const Score& score) {
+[[gnu::noinline]] void walks_of(const LaneWalkTask& t, const Score& score) {
   const Set set(t.walk);
   const Vec3<Floats> incident{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
   LanePool<C, Set, Score> pool;
-  EndedWalks<C> ended;
+  using Ended = EndedWalks<C, Score::kUsesIndex>;
+  Ended ended;
   std::uint64_t steps = 0, carried = 0, events_met = 0, reflected = 0;
   // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
   // event wrong with z, and at the last one count_all sees it. Depths follow: they are never 0
@@ -205,7 +245,7 @@ template <int C, class Set, class Score>
     };
     for (int k = 0; k < 4; ++k) w.numbers.s[k] = word(pool.numbers[k], w.numbers.s[k]);
     if constexpr (pool.kIndex) w.index = word(pool.index, w.index);
-    if constexpr (pool.kDeath) w.death = word(pool.death, w.death);
+    w.death = word(pool.death, w.death);
     if constexpr (pool.kLayer) w.layer = word(pool.layer, w.layer);
     w.y = select(take, permute(Floats::load(pool.y + pool.from), rank), w.y);
     w.order = select(words, Words(0u), w.order);
@@ -221,6 +261,7 @@ template <int C, class Set, class Score>
     const Words events = shift_left<1>(w.order);
     store_compressed(select(to_word_mask(now.gone), events | Words(1u), events), now.ends,
                      ended.events + ended.size);
+    if constexpr (Score::kUsesIndex) store_compressed(w.index, now.ends, ended.index + ended.size);
     store_compressed(w.wi.z, now.ends, ended.z + ended.size);
     if (t.estimate == LaneEstimate::cells_counted) {
       store_compressed(w.wi.x, now.ends, ended.x + ended.size);
@@ -268,7 +309,7 @@ template <int C, class Set, class Score>
       for (int k = 0; k < kSets; ++k) fly<C, true>(set, all[k].state, draws[k], every, now[k]);
 #pragma GCC unroll 4
       for (int k = 0; k < kSets; ++k) count_ends(all[k], now[k], every, std::true_type{});
-      if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
+      if (ended.size >= Ended::kSize) ended.count_all(t);
       steps += kSets;
     }
   }
@@ -291,18 +332,22 @@ template <int C, class Set, class Score>
     if (!any(!idle)) break;
     if constexpr (Set::kSingle) {
       for (Walks& w : all) {
+        if (w.free_count == kLanes) continue;
         const FloatMask active = !w.free;
         count_ends(w, step(t.walk, set, w.state, active, score), active, std::false_type{});
+        ++steps;
       }
     } else {
       // Flights of all sets cross layers by turns.
       typename Set::Flight flights[kSets];
       LaneEnds<Floats> now[kSets];
       for (int k = 0; k < kSets; ++k) {
+        const FloatMask active = !all[k].free;
+        flights[k].flies = without(active, active);
+        if (all[k].free_count == kLanes) continue;
         LaneState<Floats, C>& w = all[k].state;
         LaneDraws<Floats> draws;
         draw(set, w, draws);
-        const FloatMask active = !all[k].free;
         now[k] = scatter(t.walk, set, w, draws, active, score);
         flights[k] = set.begin_flight(w.wi, draws.remaining, active & now[k].ends, w.layer, w.y);
       }
@@ -314,23 +359,19 @@ template <int C, class Set, class Score>
         }
       }
       for (int k = 0; k < kSets; ++k) {
+        if (all[k].free_count == kLanes) continue;
         const FloatMask active = !all[k].free;
         now[k].ends = without(active, flights[k].collides);
         count_ends(all[k], now[k], active, std::false_type{});
+        ++steps;
       }
     }
-    if (ended.size >= EndedWalks<C>::kSize) ended.count_all(t, sums);
-    steps += kSets;
+    if (ended.size >= Ended::kSize) ended.count_all(t);
   }
-  ended.count_all(t, sums);
+  ended.count_all(t);
+  LaneSums& sums = *t.batches[0].sums;
   ended.add_counts(sums);
   score.finish();
-  const auto straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
-  const int place = straight * static_cast<int>(kRouletteOrder + 1);
-  sums.ends[place] += pool.uncollided;
-  for (int c = 0; t.weighs() && c < t.channels; ++c)
-    sums.weights[c * kWalkEnds * static_cast<int>(kRouletteOrder + 1) + place] +=
-        static_cast<std::int64_t>(pool.uncollided << 32);
   sums.lane_steps += steps * static_cast<std::uint64_t>(kLanes);
   sums.busy_lane_steps += carried;
   sums.events += Set::kNull ? events_met : carried;

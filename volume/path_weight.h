@@ -48,6 +48,21 @@ struct PathWeight {
     }
     return true;
   }
+
+  /// Thins (volume/thinning.h): false if the walk ends there, else it counts double. What that
+  /// takes or gives is the ledger's absorbed light, so that it sums to 1.
+  template <class Stream>
+  [[nodiscard]] bool is_spared(EnergySums& energy, Stream& stream) {
+    if (stream.uniform() < 0.5) {
+      add_to(energy.absorbed);
+      return false;
+    }
+    for (int c = 0; c < C; ++c) {
+      energy.absorbed[c] -= value[c];
+      value[c] *= 2;
+    }
+    return true;
+  }
 };
 
 }  // namespace lamella

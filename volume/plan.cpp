@@ -26,33 +26,37 @@ std::string to_text(Estimator estimator) {
 namespace {
 
 // Everything but the grids.
-Plan bare_plan(const Stack& stack, std::uint64_t max_order) {
+Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
   Plan plan{.channels = 3,
             .folded = false,
             .single_layer = false,
             .uniform_medium = false,
             .transmits = stack.is_open_below(),
-            .max_order = max_order,
+            .max_order = limits.max_order.value_or(kMaxOrder),
             .layers = {},
             .grids = {}};
   if (stack.grains()) return plan;
   for (int k = 0; k < static_cast<int>(stack.layers.size()); ++k)
     if (stack.has_grid() ? stack.layers[k].thickness > 0 : stack.layers[k].depth() > 0)
       plan.layers.push_back(k);
+  if (stack.has_grid()) return plan;
+  plan.thinning = limits.thinning.value_or(thinning_for(stack, plan));
+  if (!limits.max_order && plan.thinning.is_on())
+    plan.max_order = stack.is_grey() ? kThinnedMaxOrder : kThinnedColorMaxOrder;
   return plan;
 }
 
 }  // namespace
 
-Plan make_plan(const Stack& stack, std::uint64_t max_order) {
+Plan make_plan(const Stack& stack, const WalkLimits& limits) {
   return make_plan(
-      stack, max_order,
+      stack, limits,
       stack.has_grid() ? load_grids(stack) : std::vector<std::shared_ptr<const DensityGrid>>());
 }
 
-Plan make_plan(const Stack& stack, std::uint64_t max_order,
+Plan make_plan(const Stack& stack, const WalkLimits& limits,
                std::vector<std::shared_ptr<const DensityGrid>> grids) {
-  Plan plan = bare_plan(stack, max_order);
+  Plan plan = bare_plan(stack, limits);
   if (stack.has_grid()) {
     plan.grids = std::move(grids);
     const bool grey = std::all_of(plan.grids.begin(), plan.grids.end(),
@@ -70,8 +74,8 @@ Plan make_plan(const Stack& stack, std::uint64_t max_order,
   return plan;
 }
 
-Plan general_plan(const Stack& stack, std::uint64_t max_order) {
-  Plan plan = bare_plan(stack, max_order);
+Plan general_plan(const Stack& stack, const WalkLimits& limits) {
+  Plan plan = bare_plan(stack, limits);
   if (stack.has_grid()) plan.grids = load_grids(stack);
   return plan;
 }
@@ -228,6 +232,15 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                    stack.is_half_space() ? "a half space keeps some walks for ever: their share is "
                                            "reported as unresolved"
                                          : "what is cut is reported as unresolved"});
+  if (plan.thinning.is_on())
+    notes.push_back(
+        {"long walks",
+         fmt::format("thinned: after {} events and every fourfold of that half of them "
+                     "end, and the others count double",
+                     plan.thinning.first),
+         fmt::format("the longest walks have {:.2g} events, most of the time for little "
+                     "of the light; the mean stays",
+                     longest_walk(stack, plan))});
   explain_lanes(stack, plan, notes);
   return notes;
 }

@@ -35,6 +35,8 @@ struct RunResult {
   CellGrid grid;
   int channels = 1;
   std::uint64_t walks = 0, collisions = 0;
+  std::uint64_t max_order = 0;  ///< of walks, likewise their thinning
+  Thinning thinning;
   std::uint64_t holes = 0;  ///< rays that began inside of explicit grains: a defect
   double seconds = 0;
   SideResult reflected, transmitted;

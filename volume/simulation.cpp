@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <chrono>
 #include <stdexcept>
@@ -71,9 +72,6 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
                                        : why_not_lanes_in_cells(stack_, plan_, targets_.grid))) {
     lanes_ =
         std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, targets_, estimator);
-    run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {
-      lanes_->run(batch, from, to, batches_[batch]);
-    };
     return;
   }
   run_batch_ = plan.channels == 1 ? runner<1>(estimator, false) : runner<3>(estimator, false);
@@ -102,9 +100,6 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   }
   if (!why_not_lanes_at(stack_, plan_, points_)) {
     lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, points_);
-    run_batch_ = [this](int batch, std::uint64_t from, std::uint64_t to) {
-      lanes_->run(batch, from, to, batches_[batch]);
-    };
     return;
   }
   run_batch_ = plan.channels == 1 ? runner<1>(Estimator::next_event, true)
@@ -161,13 +156,27 @@ Simulation::RunBatch Simulation::grain_runner(GrainScores scores) {
 
 void Simulation::advance(std::uint64_t walks) {
   if (walks <= walks_) return;
-  tbb::parallel_for(0, kBatches, [&](int batch) {
-    // Batch b has the walks b, b + kBatches, ...
-    const auto count = [&](std::uint64_t total) {
-      return total > static_cast<std::uint64_t>(batch) ? (total - batch - 1) / kBatches + 1 : 0;
-    };
-    run_batch_(batch, count(walks_), count(walks));
-  });
+  // Batch b has the walks b, b + kBatches, ...
+  const auto count = [](int batch, std::uint64_t total) {
+    return total > static_cast<std::uint64_t>(batch) ? (total - batch - 1) / kBatches + 1 : 0;
+  };
+  if (lanes_) {
+    // Thinned walks: as many batches together as leave every thread two shares.
+    const int shares = plan_.thinning.is_on()
+                           ? std::min(kBatches, 2 * tbb::this_task_arena::max_concurrency())
+                           : kBatches;
+    tbb::parallel_for(0, shares, [&](int share) {
+      const int first = share * kBatches / shares, end = (share + 1) * kBatches / shares;
+      std::vector<LaneRun::Part> parts;
+      for (int batch = first; batch < end; ++batch)
+        parts.push_back({count(batch, walks_), count(batch, walks)});
+      lanes_->run(first, parts, {batches_.data() + first, parts.size()});
+    });
+  } else {
+    tbb::parallel_for(0, kBatches, [&](int batch) {
+      run_batch_(batch, count(batch, walks_), count(batch, walks));
+    });
+  }
   walks_ = walks;
 }
 
@@ -250,6 +259,8 @@ RunResult reduce(const Simulation& simulation) {
   run.channels = simulation.plan().channels;
   run.walks = simulation.walks();
   run.collisions = simulation.collisions();
+  run.max_order = simulation.plan().max_order;
+  run.thinning = simulation.plan().thinning;
   run.holes = simulation.holes();
   const bool up = run.incident.z > 0;
   run.reflected = reduce_side(simulation, up);

@@ -11,7 +11,10 @@ NonFiniteError::NonFiniteError(std::uint64_t seed, std::uint64_t walk, Direction
           walk, seed, wi.x, wi.y, wi.z)) {}
 
 WalkStack::WalkStack(const Stack& stack, const Plan& plan)
-    : has_substrate(stack.substrate.has_value()), substrate_albedo{}, max_order(plan.max_order) {
+    : has_substrate(stack.substrate.has_value()),
+      substrate_albedo{},
+      max_order(plan.max_order),
+      thinning(plan.thinning) {
   const auto channels = [](Rgb c) { return std::array<double, 3>{c.r, c.g, c.b}; };
   for (const int k : plan.layers) {
     const Layer& layer = stack.layers[k];

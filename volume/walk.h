@@ -36,6 +36,7 @@ struct WalkStack {
   bool has_substrate;
   std::array<double, 3> substrate_albedo;
   std::uint64_t max_order;
+  Thinning thinning;
 };
 
 namespace walk_detail {
@@ -64,7 +65,7 @@ template <class M>
 /// `scorer`. M: the medium of every layer, or Medium; C: channels; kSingle: one layer.
 ///
 /// Position-free: a layer index and the depth y below that layer's top. A walk carries weights of
-/// at most 1 (volume/path_weight.h).
+/// at most 1 (volume/path_weight.h), doubled whenever thinning spared it.
 template <class M, int C, bool kSingle, class Scorer>
 void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::uint64_t index,
           Scorer& scorer, BatchTally& tally) {
@@ -129,6 +130,7 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
       for (int c = 0; c < C; ++c) kept[c] = stack.substrate_albedo[c];
       scorer.substrate(weight.value, kept, order);
       if (!weight.survives(kept, order, energy, stream)) break;
+      if (stack.thinning.halves_at(order) && !weight.is_spared(energy, stream)) break;
       const double u1 = stream.uniform(), u2 = stream.uniform();
       wi = -cosine_hemisphere(Direction{0, 0, 1}, u1, u2);
       layer = last;
@@ -155,6 +157,7 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
       return true;
     });
     if (!alive) break;
+    if (stack.thinning.halves_at(order) && !weight.is_spared(energy, stream)) break;
   }
   ++tally.walks;
   double check = wi.x + wi.y + wi.z + y;

@@ -273,7 +273,7 @@ TEST(GridWalk, IsTheSameForEveryCutOfSpaceInTheMean) {
   const Stack stack = load_stack("blotchy_layer");
   const Direction wi = direction_from_degrees(60, 0);
   const auto plan = [&](MajorantCells cells) {
-    return make_plan(stack, 1000, load_grids(stack, cells));
+    return make_plan(stack, {}, load_grids(stack, cells));
   };
   const auto run = [&](MajorantCells cells, std::uint64_t seed) {
     return run_of(stack, plan(cells), wi, Estimator::analog, 60000, seed);

@@ -24,7 +24,7 @@ namespace lamella::testing {
   for (std::size_t k = 0; k < grids.size(); ++k)
     if (stack.layers[k].grid)
       grids[k] = std::make_shared<DensityGrid>(stack.layers[k], voxels.at(next++), cells);
-  return make_plan(stack, 1000, grids);
+  return make_plan(stack, {}, grids);
 }
 
 /// Voxels whose density is f(index).

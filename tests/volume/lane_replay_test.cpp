@@ -50,7 +50,7 @@ struct Bias {
 };
 
 Bias bias_of(const Stack& stack, Isa isa, Direction wi, std::uint64_t walks) {
-  Plan plan = make_plan(stack, 300);
+  Plan plan = make_plan(stack, {.max_order = 300});
   plan.isa = isa;
   Simulation lanes(stack, plan, wi, Estimator::analog, CellGrid{2, 4, false}, 3);
   lanes.advance(walks);

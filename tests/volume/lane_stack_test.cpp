@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 
 #include "phase/builtin_stacks.h"
@@ -74,9 +75,11 @@ const std::vector<StackCase>& stack_cases() {
 }
 
 std::unique_ptr<Simulation> in_cells(const StackCase& c, Isa isa, Estimator estimator,
-                                     std::uint64_t walks, std::uint64_t seed) {
+                                     std::uint64_t walks, std::uint64_t seed,
+                                     Thinning thinning = {}) {
   const Stack stack = stack_from(c.toml);
   Plan plan = make_plan(stack);
+  plan.thinning = thinning;
   plan.isa = isa;
   auto simulation = std::make_unique<Simulation>(
       stack, plan, direction_from_degrees(c.theta, c.phi), estimator, CellGrid{3, 4, false}, seed);
@@ -149,18 +152,38 @@ TEST_P(LaneStack, NextEventInCellsAgreesWithTheScalarKernel) {
   }
 }
 
+// From the second event on, so that every stack has walks that are thinned more than once.
+constexpr Thinning kEarly{2};
+
+TEST_P(LaneStack, ThinnedWalksHaveTheSameMeans) {
+  for (std::size_t k = 0; k < stack_cases().size(); ++k)
+    for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+      const StackCase& c = stack_cases()[k];
+      const std::uint64_t walks = estimator == Estimator::analog ? kAnalogWalks : kNextEventWalks;
+      const auto lanes = in_cells(c, GetParam(), estimator, 2 * walks, 3, kEarly);
+      ASSERT_EQ(lanes->isa(), GetParam()) << c.what;
+      const RunResult a = reduce(*lanes), &b = in_scalar(k, estimator);
+      expect_agreement(a, b, c.what);
+      EXPECT_LT(static_cast<double>(a.collisions) / static_cast<double>(a.walks),
+                0.97 * static_cast<double>(b.collisions) / static_cast<double>(b.walks))
+          << c.what;
+    }
+}
+
 TEST_P(LaneStack, PointsAgreeWithTheScalarKernel) {
   for (const StackCase& c : stack_cases())
-    for (const int count : {1, 9}) {  // one direction after the other, and many at once
+    for (const int count : {1, 9, -1, -9}) {  // one direction after the other, and many at once
       const Stack stack = stack_from(c.toml);
       std::vector<Direction> points;
       for (const double sign : {1.0, -1.0})
-        for (int j = 0; j < count && (sign > 0 || stack.is_open_below()); ++j)
-          points.push_back(direction_from_mu_phi(sign * (j + 0.6) / count, 0.7 + 2.4 * j));
+        for (int j = 0; j < std::abs(count) && (sign > 0 || stack.is_open_below()); ++j)
+          points.push_back(
+              direction_from_mu_phi(sign * (j + 0.6) / std::abs(count), 0.7 + 2.4 * j));
       const int n = static_cast<int>(points.size());
       Plan plan = make_plan(stack);
       Simulation scalar(stack, plan, direction_from_degrees(c.theta, c.phi), points, 2);
       plan.isa = GetParam();
+      if (count < 0) plan.thinning = kEarly;
       Simulation lanes(stack, plan, direction_from_degrees(c.theta, c.phi), points, 1);
       ASSERT_EQ(lanes.isa(), GetParam()) << c.what;
       scalar.advance(testing::soaked(10000));
@@ -179,21 +202,22 @@ TEST_P(LaneStack, PointsAgreeWithTheScalarKernel) {
 }
 
 TEST_P(LaneStack, IsBitIdenticalForAnyThreadsAndCheckpoints) {
-  for (const std::size_t k : {1, 4, 5})
+  for (const std::size_t k : {1, 4, 5, 101, 104, 105})  // beyond 100: thinned
     for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
       const auto sums = [&](int threads, const std::vector<std::uint64_t>& checkpoints) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
         tbb::task_arena arena(threads);
         return arena.execute([&] {
-          const auto simulation = in_cells(stack_cases()[k], GetParam(), estimator, 0, 7);
+          const auto simulation = in_cells(stack_cases()[k % 100], GetParam(), estimator, 0, 7,
+                                           k > 100 ? kEarly : Thinning{});
           for (const std::uint64_t walks : checkpoints) simulation->advance(walks);
           std::vector<double> all;
           for (const BatchTally& b : simulation->batches()) {
             all.insert(all.end(), b.f.begin(), b.f.end());
             for (const auto& order : b.energy.up) all.insert(all.end(), order.begin(), order.end());
             all.insert(all.end(), b.energy.absorbed.begin(), b.energy.absorbed.end());
-            all.push_back(static_cast<double>(b.collisions));
           }
+          all.push_back(static_cast<double>(simulation->collisions()));
           return all;
         });
       };

@@ -24,7 +24,7 @@ using testing::stack_from;
 using testing::z_between;
 
 Plan plan_for(const Stack& stack, Isa isa, std::uint64_t max_order = 1000) {
-  Plan plan = make_plan(stack, max_order);
+  Plan plan = make_plan(stack, {.max_order = max_order});
   plan.isa = isa;
   return plan;
 }
@@ -330,11 +330,13 @@ TEST(LaneWalk, ADirectionThatIsNotANumberDoesNotHide) {
         task.walk = setting.walk;
         task.one_medium = one_medium;
         task.index_stride = 1;
-        task.walks = 500;
         std::uint64_t ends[kWalkEnds * (kRouletteOrder + 1)] = {};
         LaneSums sums;
         sums.ends = ends;
-        (one_medium ? walk_lanes_for : walk_stack_lanes_for)(isa)(task, sums);
+        const LaneBatch batch{0, 500, &sums};
+        task.batches = &batch;
+        task.batch_count = 1;
+        (one_medium ? walk_lanes_for : walk_stack_lanes_for)(isa)(task);
         EXPECT_EQ(sums.finite, !broken) << to_text(isa);
       }
 }

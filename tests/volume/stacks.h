@@ -41,7 +41,7 @@ class OnEveryIsa : public ::testing::TestWithParam<Isa> {
   friend Plan plan_of(const Stack& stack, std::uint64_t max_order);
 };
 [[nodiscard]] inline Plan plan_of(const Stack& stack, std::uint64_t max_order = 1000) {
-  Plan plan = make_plan(stack, max_order);
+  Plan plan = make_plan(stack, {.max_order = max_order});
   plan.isa = OnEveryIsa::isa_;
   return plan;
 }
