@@ -163,9 +163,10 @@ int furnace_command(const Options& options) {
   answer["runs"] = std::move(runs);
   if (!options.quiet) {
     if (truth.estimator() != Estimator::deterministic && plan.thinning.is_on())
-      fmt::print(out,
-                 "long walks are thinned: what that takes and gives is counted with what is "
-                 "absorbed (--thin-from 0: none are)\n");
+      fmt::print(
+          out,
+          "long walks are thinned: energies have the noise of that, which is no gain or loss "
+          "(--thin-from 0: none are)\n");
     fmt::print(out, "{}\n", overall);
     if (overall == "inconclusive" && truth.estimator() == Estimator::deterministic)
       fmt::print(out, "the solver's bound is too wide to judge by (--tolerance, --time)\n");

@@ -43,6 +43,11 @@ void print_run(std::FILE* out, const RunResult& run) {
   fmt::print(out, "  {:<12} {}\n", "uncollided", with_error(run.uncollided, run));
   fmt::print(out, "  {:<12} {}\n", "absorbed", with_error(run.absorbed, run));
   fmt::print(out, "  {:<12} {}\n", "unresolved", with_error(run.unresolved, run));
+  if (run.thinning.is_on())
+    fmt::print(out,
+               "  {:<12} {}: from the {}th event on half of the walks end, the others count "
+               "double\n",
+               "thinned", with_error(run.thinned, run), run.thinning.first);
   if (run.holes > 0)
     fmt::print(out, "  {:<12} {} rays began inside of a grain: please report it\n", "holes",
                run.holes);

@@ -78,10 +78,8 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
   const std::size_t count = targets.count();
   const double solid_angle = targets.grid.projected_solid_angle();
   const double t = t_quantile(level);
-  // A closed form's sampler gives weights that are the albedo in the mean only, and what thinning
-  // takes and gives is counted with what is absorbed.
-  const bool is_noisy = (simulation.stack().substrate && simulation.stack().substrate->law) ||
-                        simulation.plan().thinning.is_on();
+  // A closed form's sampler gives weights that are the albedo in the mean only.
+  const bool weighs = simulation.stack().substrate && simulation.stack().substrate->law;
   for (int c = 0; c < run.channels; ++c) {
     // The difference of the estimator and the ledger per batch: what both share cancels.
     const auto seen = [&](const BatchTally& b) {
@@ -93,16 +91,17 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     };
     furnace.energy[c] = batch_estimate(simulation.batches(), seen);
     const double unresolved = run.unresolved[c].value;
-    furnace.expected[c] = 1 - run.absorbed[c].value - unresolved;
+    furnace.expected[c] = 1 - run.absorbed[c].value - unresolved - run.thinned[c].value;
     const Estimate defect = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] - static_cast<double>(b.walks);
+      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] + b.energy.thinned[c] -
+             static_cast<double>(b.walks);
     });
     const double noise = t * defect.standard_error + 1e-12;
     // A sharp lobe that few walks hit: so few events that their mean is far from normal.
     const double error = furnace.energy[c].standard_error;
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
-    const double lost = run.absorbed[c].value - (is_noisy ? t * run.absorbed[c].standard_error : 0);
+    const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
     FurnaceVerdict verdict = FurnaceVerdict::pass;
     if ((std::abs(defect.value) > noise && !too_few) || (white && lost > 1e-12))
       verdict = FurnaceVerdict::fail;

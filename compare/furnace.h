@@ -18,7 +18,7 @@ enum class FurnaceVerdict { pass, fail, inconclusive };
 struct FurnaceRun {
   RunResult run;
   std::array<Estimate, 3> energy{};  ///< reflected + transmitted + uncollided, by the estimator
-  std::array<double, 3> expected{};  ///< 1 - absorbed - unresolved by the ledger
+  std::array<double, 3> expected{};  ///< 1 - absorbed - unresolved - thinned by the ledger
   FurnaceVerdict verdict = FurnaceVerdict::pass;
 };
 

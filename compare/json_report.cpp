@@ -130,7 +130,10 @@ Json to_json(const RunResult& run) {
                        {"modes", a->modes},
                        {"bytes", a->bytes}};
   if (!run.is_bounded()) out["max_order"] = run.max_order;
-  if (run.thinning.is_on()) out["thinned_from"] = run.thinning.first;
+  if (run.thinning.is_on()) {
+    out["thinned_from"] = run.thinning.first;
+    out["thinned"] = values_of(run.thinned, run.channels);
+  }
   if (run.holes > 0) out["holes"] = run.holes;
   return out;
 }

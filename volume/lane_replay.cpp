@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 #include "phase/random.h"
 #include "volume/lane_setting.h"
 
@@ -34,6 +36,12 @@ void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uin
   const LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
   const auto end = static_cast<WalkEnd>(of.end);
   const bool straight = of.order == 0 && end < WalkEnd::absorbed;
+  // What it stood for; where an event both absorbs and halves, the mean of that.
+  double standing = thinning.weight(of.order);
+  if (end == WalkEnd::absorbed && (C > 0 ? w.order >= w.death : thinning.halves_at(of.order))) {
+    const double albedo = *std::max_element(setting.albedo.begin(), setting.albedo.end());
+    standing *= C > 0 || of.order < kRouletteOrder ? 0 : (1 - albedo) / (2 - albedo);
+  }
   const int target = straight || end > WalkEnd::down ? -1 : cells.find(-w.wi);
   for (int c = 0; c < channels; ++c) {
     const double at_end = C > 0 ? w.weight[C > 0 ? c : 0] : setting.weight_after(c, of.order);
@@ -43,7 +51,8 @@ void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uin
       energy.uncollided[c] += weight;
       continue;
     }
-    energy.absorbed[c] += setting.chance - (end == WalkEnd::absorbed ? 0 : weight);
+    energy.thinned[c] += setting.chance * (1 - standing);
+    energy.absorbed[c] += setting.chance * standing - (end == WalkEnd::absorbed ? 0 : weight);
     if (end == WalkEnd::unresolved) energy.unresolved[c] += weight;
     if (end > WalkEnd::down) continue;
     const int slot = order_slot(of.order);

@@ -222,21 +222,34 @@ std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
 void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   const std::vector<std::uint64_t> ends = all_ends(counts);
   const double chance = setting_.chance;
+  const auto place = [](WalkEnd end, int order) {
+    return static_cast<std::size_t>(end) * (kOrders + 1) + static_cast<std::size_t>(order);
+  };
+  // Thinning leaves what the others stand for. Of those that an event ended which halves and, from
+  // the fourth on, absorbs as well, absorption had this share.
+  double standing = static_cast<double>(tally.walks);
+  if (thinning_.is_on()) {
+    const double albedo = *std::max_element(setting_.albedo.begin(), setting_.albedo.end());
+    const double absorbed = task_.weights ? 0 : (1 - albedo) / (2 - albedo);
+    standing = absorbed * static_cast<double>(ends[place(WalkEnd::thinned, kOrders)]);
+    for (const WalkEnd end : {WalkEnd::up, WalkEnd::down, WalkEnd::absorbed, WalkEnd::unresolved})
+      for (int k = 0; k <= kOrders; ++k) standing += static_cast<double>(ends[place(end, k)]);
+  }
   EnergySums energy{};
   const WalkEnd straight = task_.walk.from_above ? WalkEnd::down : WalkEnd::up;
   for (int c = 0; c < task_.channels; ++c) {
     // What walks of one order weigh together as they end.
     const auto ended = [&](WalkEnd end, int order) {
-      const std::size_t at = static_cast<std::size_t>(end) * (kOrders + 1) + order;
+      const std::size_t at = place(end, order);
       if (!task_.weighs())
         return chance * static_cast<double>(ends[at]) * setting_.weight_after(0, order);
       return chance / kPointUnits * static_cast<double>(counts.weights[c * ends.size() + at]);
     };
     energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
     energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
+    energy.thinned[c] = chance * (static_cast<double>(tally.walks) - standing);
     // A walk has lost to its events what it lacks at its end, and at a last event everything.
-    energy.absorbed[c] = chance * static_cast<double>(tally.walks);
-    energy.absorbed[c] -= ended(straight, 0) + ended(WalkEnd::unresolved, 0);
+    energy.absorbed[c] = chance * standing - ended(straight, 0) - ended(WalkEnd::unresolved, 0);
     for (int k = 1; k <= kOrders; ++k) {
       energy.up[k - 1][c] = ended(WalkEnd::up, k);
       energy.down[k - 1][c] = ended(WalkEnd::down, k);
@@ -248,7 +261,7 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   tally.energy = energy;
   tally.collisions = counts.events - counts.reflections;
   // The event that was one too many.
-  const unsigned counted_for = task_.weighs() ? 0 : thinning_.spared(task_.walk.max_order);
+  const unsigned counted_for = thinning_.spared(task_.walk.max_order);
   for (int k = 0; k <= kOrders; ++k)
     tally.collisions -=
         ends[static_cast<int>(WalkEnd::unresolved) * (kOrders + 1) + k] >> counted_for;

@@ -15,8 +15,8 @@ namespace lamella {
 inline constexpr std::uint32_t kLaneWalkStream = 4, kLaneTargetStream = 6;
 
 /// What became of a walk.
-enum class WalkEnd : std::uint32_t { up = 0, down = 1, absorbed = 2, unresolved = 3 };
-inline constexpr int kWalkEnds = 4;
+enum class WalkEnd : std::uint32_t { up = 0, down = 1, absorbed = 2, unresolved = 3, thinned = 4 };
+inline constexpr int kWalkEnds = 5;
 /// The order from which on walks end by roulette: kTallyOrders.
 inline constexpr std::uint32_t kRouletteOrder = 4;
 

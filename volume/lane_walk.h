@@ -43,9 +43,10 @@ enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
 
 /// What a batch's walks add up to.
 struct LaneSums {
-  /// Walks [WalkEnd][order], orders from 4 on together. Of walks without weights and colour that
-  /// are counted in cells, `cells` has those that left and, behind the cells, the others. Where
-  /// walks are thinned (and have no weights), each counts for those that it stands for.
+  /// Walks [WalkEnd][order], orders from 4 on together; where walks are thinned, each counts for
+  /// those that it stood for (thinned ones without weights: had it lived on). Of walks without
+  /// weights and colour that are counted in cells, `cells` has those that left and, behind the
+  /// cells, the others.
   std::uint64_t* ends = nullptr;
   /// Weights of walks at their end [channel][WalkEnd][order] in units of 1 / kPointUnits; only if
   /// the task has weights or three channels.

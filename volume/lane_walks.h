@@ -100,8 +100,11 @@ template <int C, bool kIndex>
 struct EndedWalks {
   static constexpr int kSize = 512, kRoom = kSize + (kSets + 1) * kLanes;
   static constexpr int kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
+  // Events, and as last bits whether one ended the walk and, of walks with weights, whether that
+  // was by thinning or the one too many.
+  static constexpr int kBits = C > 0 ? 2 : 1;
   int size = 0;
-  alignas(64) std::uint32_t events[kRoom];  // the last bit: an event ended the walk
+  alignas(64) std::uint32_t events[kRoom];
   alignas(64) std::uint32_t index[kRoom];
   alignas(64) float x[kRoom];  // w_i of the last flight
   alignas(64) float y[kRoom];
@@ -121,12 +124,23 @@ struct EndedWalks {
     // What is a vector's work, then what is not, so that nothing waits in between.
     for (int k = 0; k < size; k += kLanes) {
       const Words met = Words::load(events + k);
-      const LaneEnd<Words> of(shift_right<1>(met), is_below(Words(0u), met & Words(1u)),
-                              to_word_mask(Floats::load(z + k) > Floats(0)), t.walk.max_order);
+      const auto bit = [&](std::uint32_t value)
+                           LAMELLA_INLINE_LAMBDA { return !equal(met & Words(value), Words(0u)); };
+      LaneEnd<Words> of(shift_right<kBits>(met), bit(1),
+                        to_word_mask(Floats::load(z + k) > Floats(0)), t.walk.max_order);
+      if (thins) {
+        const Words spared = spared_of(t.walk.thinned_from, of.order);
+        spared.store(spared_of_walk + k);
+        // Without weights: thinned or absorbed, at an event that does both.
+        WordMask halves = bit(2);
+        if constexpr (C == 0)
+          halves = !equal(spared, spared_of(t.walk.thinned_from, of.order - Words(1u)));
+        const WordMask gone = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
+        of.end = select(gone & halves, Words(static_cast<std::uint32_t>(WalkEnd::thinned)), of.end);
+      }
       const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
       at.store(place_of + k);
       if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
-      if (thins) spared_of(t.walk.thinned_from, of.order).store(spared_of_walk + k);
       if (!cells) continue;
       targets_of(t, k, of, Words(nowhere) + at).store(target_of + k);
       const Floats flat = Floats::load(x + k) + Floats::load(y + k);
@@ -135,11 +149,11 @@ struct EndedWalks {
     }
     finite = finite && !any(!equal(spoiled, Floats(0)));
     // A walk in a cell is counted nowhere else.
-    if (thins && !weighs)
+    if (thins)
       for (int j = 0; j < size; ++j) {
         LaneSums& sums = sums_of(t, j);
         const auto walks = std::uint32_t{1} << spared_of_walk[j];
-        if (cells)
+        if (cells && !weighs)
           sums.cells[target_of[j]] += walks;
         else
           sums.ends[place_of[j]] += walks;
@@ -258,9 +272,10 @@ template <int C, class Set, class Score>
                               auto full) LAMELLA_INLINE_LAMBDA {
     LaneState<Floats, C>& w = walks.state;
     poison = multiply_add(w.wi.z, Floats(0), poison);
-    const Words events = shift_left<1>(w.order);
-    store_compressed(select(to_word_mask(now.gone), events | Words(1u), events), now.ends,
-                     ended.events + ended.size);
+    Words events = shift_left<Ended::kBits>(w.order);
+    events = select(to_word_mask(now.gone), events | Words(1u), events);
+    if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
+    store_compressed(events, now.ends, ended.events + ended.size);
     if constexpr (Score::kUsesIndex) store_compressed(w.index, now.ends, ended.index + ended.size);
     store_compressed(w.wi.z, now.ends, ended.z + ended.size);
     if (t.estimate == LaneEstimate::cells_counted) {

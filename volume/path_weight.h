@@ -49,16 +49,16 @@ struct PathWeight {
     return true;
   }
 
-  /// Thins (volume/thinning.h): false if the walk ends there, else it counts double. What that
-  /// takes or gives is the ledger's absorbed light, so that it sums to 1.
+  /// Thins (volume/thinning.h): false if the walk ends there, else it counts double. The ledger
+  /// keeps what that takes and gives, and sums to 1 still.
   template <class Stream>
   [[nodiscard]] bool is_spared(EnergySums& energy, Stream& stream) {
     if (stream.uniform() < 0.5) {
-      add_to(energy.absorbed);
+      add_to(energy.thinned);
       return false;
     }
     for (int c = 0; c < C; ++c) {
-      energy.absorbed[c] -= value[c];
+      energy.thinned[c] -= value[c];
       value[c] *= 2;
     }
     return true;

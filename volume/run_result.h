@@ -41,6 +41,7 @@ struct RunResult {
   double seconds = 0;
   SideResult reflected, transmitted;
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
+  std::array<Estimate, 3> thinned{};  ///< by walks that ended for others to count double: noise
   std::optional<DeterministicAccuracy> accuracy{};
 
   [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }
@@ -49,7 +50,7 @@ struct RunResult {
 /// The sum of all parts of the ledger, 1 up to rounding.
 [[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {
   return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
-         run.absorbed[c].value + run.unresolved[c].value;
+         run.absorbed[c].value + run.unresolved[c].value + run.thinned[c].value;
 }
 
 }  // namespace lamella

@@ -271,6 +271,8 @@ RunResult reduce(const Simulation& simulation) {
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.uncollided[c]; });
     run.absorbed[c] =
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.absorbed[c]; });
+    run.thinned[c] =
+        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.thinned[c]; });
     run.unresolved[c] =
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.unresolved[c]; });
   }

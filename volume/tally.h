@@ -23,6 +23,7 @@ struct EnergySums {
       down{};                               ///< left the stack there, after that many events
   Channels specular_up{}, specular_down{};  ///< the part of it that met delta flakes only
   Channels uncollided{}, absorbed{}, unresolved{};
+  Channels thinned{};  ///< what thinning has taken less what it has given: 0 on average
 };
 
 /// What the lanes were busy with.

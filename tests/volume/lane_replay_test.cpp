@@ -49,8 +49,9 @@ struct Bias {
   double total = 0, difference = 0, error = 0;  // of what leaves in channel 0
 };
 
-Bias bias_of(const Stack& stack, Isa isa, Direction wi, std::uint64_t walks) {
-  Plan plan = make_plan(stack, {.max_order = 300});
+Bias bias_of(const Stack& stack, Isa isa, Direction wi, std::uint64_t walks,
+             Thinning thinning = {}) {
+  Plan plan = make_plan(stack, {.max_order = 300, .thinning = thinning});
   plan.isa = isa;
   Simulation lanes(stack, plan, wi, Estimator::analog, CellGrid{2, 4, false}, 3);
   lanes.advance(walks);
@@ -107,6 +108,24 @@ TEST_P(LaneReplay, FloatLanesHaveNoBiasAgainstTheSameWalksInDouble) {
   EXPECT_LT(std::abs(together) / count, kLargestBias + allowed_z() * std::sqrt(variance) / count);
   std::printf("%s: mean relative difference of %d cases %.1e +- %.1e\n",
               to_text(GetParam()).c_str(), count, together / count, std::sqrt(variance) / count);
+}
+
+// Thinned from the second event on: the same walks end, and the others count for as many.
+TEST_P(LaneReplay, ThinnedWalksHaveNoBiasEither) {
+  constexpr std::uint64_t kWalks = 2048;
+  for (const char* medium :
+       {"medium = 'sggx'\nroughness = 0.5\nalbedo = 0.95\nthickness = 4",
+        "medium = 'lambert_sphere'\nalbedo = [0.9, 0.5, 0.2]\nthickness = inf",
+        "medium = 'sggx'\nroughness = 0.3\nf0 = 0.5\nalbedo = 0.95\nthickness = 4"}) {
+    const Bias bias = bias_of(stack_from(layer(medium)), GetParam(), direction_from_degrees(40, 0),
+                              kWalks, Thinning{2});
+    ASSERT_GT(bias.total, 0) << medium;
+    // One walk that took another turn stands for 16 at most as good as always.
+    EXPECT_LT(std::abs(bias.difference) / bias.total,
+              kLargestBias + allowed_z() * std::max(bias.error / bias.total, 16.0 / kWalks))
+        << medium;
+    EXPECT_LT(std::abs(bias.difference) / bias.total, 0.02) << medium;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryIsa, LaneReplay, ::testing::ValuesIn(lane_isas()),

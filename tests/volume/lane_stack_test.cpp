@@ -164,6 +164,10 @@ TEST_P(LaneStack, ThinnedWalksHaveTheSameMeans) {
       ASSERT_EQ(lanes->isa(), GetParam()) << c.what;
       const RunResult a = reduce(*lanes), &b = in_scalar(k, estimator);
       expect_agreement(a, b, c.what);
+      for (int channel = 0; channel < a.channels; ++channel)
+        EXPECT_LT(std::abs(a.thinned[channel].value),
+                  allowed_z() * a.thinned[channel].standard_error)
+            << c.what;
       EXPECT_LT(static_cast<double>(a.collisions) / static_cast<double>(a.walks),
                 0.97 * static_cast<double>(b.collisions) / static_cast<double>(b.walks))
           << c.what;

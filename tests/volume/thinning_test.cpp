@@ -113,6 +113,12 @@ TEST_P(ThinnedWalks, EnergiesAreThoseOfTheSolver) {
       }
       expect(run.absorbed[c], exact.absorbed[c] - run.unresolved[c].value, "absorbed");
       EXPECT_LT(run.unresolved[c].value, 2e-3);
+      expect(run.thinned[c], 0, "thinned");
+      EXPECT_GT(run.thinned[c].standard_error, 0);
+      // What absorbs nothing has nothing absorbed, whatever thinning does.
+      if (k == 0) {
+        EXPECT_NEAR(run.absorbed[c].value, 0, 1e-12);
+      }
     }
   }
 }
