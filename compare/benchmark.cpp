@@ -40,6 +40,15 @@ double InterleavedTimes::median_ratio() const {
   return *middle;
 }
 
+double noise_of(const LobeEstimate& lobe) {
+  double noise = 0, signal = 0;
+  for (std::size_t k = 0; k < lobe.value.size(); ++k) {
+    noise += lobe.standard_error[k] * lobe.standard_error[k];
+    signal += lobe.value[k] * lobe.value[k];
+  }
+  return signal > 0 ? std::sqrt(noise / signal) : 0;
+}
+
 double seconds_of(const std::function<void()>& f) {
   const auto now = [] {
     timespec t{};

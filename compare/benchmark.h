@@ -42,6 +42,9 @@ struct BenchmarkEffort {
   static BenchmarkEffort quick() { return {3, 0.01, 0.001, 0.05, 0.2}; }
 };
 
+/// Relative root mean square of the cells' standard errors.
+[[nodiscard]] double noise_of(const LobeEstimate& lobe);
+
 /// Seconds that the calling thread computed during one call: what other programs take from it does
 /// not count.
 [[nodiscard]] double seconds_of(const std::function<void()>& f);
@@ -82,6 +85,11 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// Seconds to 1 % standard error of lobes, and to 0.1 % and 0.01 % of those of all orders, by
 /// estimator and by the solver, one thread.
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
+/// What weighing the analog and the next-event estimator against each other in every cell could
+/// save at best, one thread.
+void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,
+                         const ReportRow& report);
 
 /// Cost per value of the reflected lobe against its error, on the stacks of the walk rows: each
 /// estimator of walks at growing numbers of them, the solver at falling tolerances, and the closed

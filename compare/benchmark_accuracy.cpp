@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include <cmath>
 #include <map>
 
 #include "compare/benchmark.h"
@@ -19,18 +18,6 @@ struct Target {
 };
 constexpr Target kTargets[] = {{"1%", kTarget}, {"0.1%", 1e-3}, {"0.01%", 1e-4}};
 constexpr const char* kLobes[] = {"order1", "order2", "order3", "order4plus", "all"};
-
-// Root mean square of the cells' standard errors over that of their values: cells have equal
-// projected solid angles. Nothing for a lobe that no walk has met.
-std::optional<double> lobe_error(const LobeEstimate& lobe) {
-  double noise = 0, signal = 0;
-  for (std::size_t k = 0; k < lobe.value.size(); ++k) {
-    noise += lobe.standard_error[k] * lobe.standard_error[k];
-    signal += lobe.value[k] * lobe.value[k];
-  }
-  if (signal == 0) return std::nullopt;
-  return std::sqrt(noise / signal);
-}
 
 struct LobeTime {
   double seconds;
@@ -52,11 +39,11 @@ std::map<std::string, LobeTime> times_to_target(const Stack& stack, Estimator es
     for (const bool reflected : {true, false}) {
       const SideResult& side = reflected ? run.reflected : run.transmitted;
       for (int o = 0; o <= kTallyOrders; ++o) {
-        const auto error = lobe_error(side.lobes[o]);
-        if (!error) continue;
-        const double scale = *error / kTarget;
+        const double error = noise_of(side.lobes[o]);
+        if (error == 0) continue;  // no walk has met it
+        const double scale = error / kTarget;
         times.insert_or_assign(std::string(reflected ? "reflect." : "transmit.") + kLobes[o],
-                               LobeTime{taken * scale * scale, *error});
+                               LobeTime{taken * scale * scale, error});
       }
     }
   }

@@ -45,19 +45,62 @@ struct Growing {
     }
   }
 
+  // Seconds to an error of 1 % of the cells, by time x variance.
+  [[nodiscard]] double seconds_to_a_percent(Simulation& simulation) const {
+    double taken = 0;
+    for (std::uint64_t walks = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
+         taken < effort.accuracy_seconds; walks *= 2)
+      taken += seconds_of([&] { simulation.advance(walks); });
+    const double error = noise_of(reduce(simulation).reflected.lobes[kTallyOrders]);
+    return taken * error * error * 1e4;
+  }
+
+  // The longest walks: how the cost of an error rises as absorption goes, with thinning and
+  // without. make(absorption, limits) is the simulation.
+  template <class Make>
+  void absorption_rows(const std::vector<double>& absorptions, Make make) const {
+    double before = 0, absorption_before = 0;
+    for (const double absorption : absorptions) {
+      const std::unique_ptr<Simulation> simulation = make(absorption, WalkLimits{});
+      const Plan& planned = simulation->plan();
+      const double seconds = seconds_to_a_percent(*simulation);
+      BenchmarkRow row{.what = fmt::format("growth of cost/absorption {:g}", absorption),
+                       .kind = "walk"};
+      row.seconds = seconds;
+      row.error = 0.01;
+      if (const auto use = simulation->lane_use()) {
+        row.extra["lane_occupancy"] = use->occupancy;
+        row.extra["null_collisions"] = use->null;
+      }
+      if (planned.thinning.is_on()) {
+        const auto plain =
+            make(absorption, WalkLimits{.max_order = planned.max_order, .thinning = Thinning{}});
+        row.baseline = fmt::format("walks that are not thinned, to {} events", planned.max_order);
+        row.ratio_to_baseline = seconds_to_a_percent(*plain) / seconds;
+      }
+      if (before > 0)
+        row.extra["exponent"] =
+            std::log(seconds / before) / std::log(absorption / absorption_before);
+      before = seconds;
+      absorption_before = absorption;
+      report(std::move(row));
+    }
+  }
+
   [[nodiscard]] std::unique_ptr<Simulation> cells(const std::string& toml, Estimator estimator,
-                                                  CellGrid grid) const {
+                                                  CellGrid grid,
+                                                  const WalkLimits& limits = {}) const {
     const Stack stack = parse_stack(toml, "growth", "growth");
-    return std::make_unique<Simulation>(stack, plan(stack), benchmark_incident(), estimator, grid,
-                                        seed);
+    return std::make_unique<Simulation>(stack, plan(stack, limits), benchmark_incident(), estimator,
+                                        grid, seed);
   }
   [[nodiscard]] std::unique_ptr<Simulation> points(const std::string& toml, int count) const {
     const Stack stack = parse_stack(toml, "growth", "growth");
     return std::make_unique<Simulation>(stack, plan(stack), benchmark_incident(),
                                         benchmark_points(count), seed);
   }
-  [[nodiscard]] Plan plan(const Stack& stack) const {
-    Plan result = make_plan(stack);
+  [[nodiscard]] Plan plan(const Stack& stack, const WalkLimits& limits = {}) const {
+    Plan result = make_plan(stack, limits);
     result.isa = effort.isa;
     return result;
   }
@@ -96,11 +139,11 @@ void measure_growth_of_walks(const BenchmarkEffort& effort, std::uint64_t seed,
     });
     grow.rows("directions", {1, 4, 16, 64},
               [&](double n) { return grow.points(half_space, static_cast<int>(n)); });
-    // The longest walks: how the cost rises as absorption goes, up to the limit of 1000 events.
-    grow.rows("absorption", {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, [&](double absorption) {
-      return grow.cells(sphere_layer(1 - absorption, kInfinity), Estimator::analog,
-                        CellGrid{16, 32, true});
-    });
+    grow.absorption_rows({1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6},
+                         [&](double absorption, const WalkLimits& limits) {
+                           return grow.cells(sphere_layer(1 - absorption, kInfinity),
+                                             Estimator::analog, CellGrid{16, 32, true}, limits);
+                         });
   });
 }
 

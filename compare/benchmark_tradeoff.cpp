@@ -22,16 +22,6 @@ constexpr double kTruthTolerance = 1e-5, kSolverShare = 0.5;
 
 double nanoseconds(double seconds, int cells) { return seconds * 1e9 / cells; }
 
-// Relative root mean square of the cells' standard errors.
-double noise_of(const LobeEstimate& lobe) {
-  double noise = 0, signal = 0;
-  for (std::size_t k = 0; k < lobe.value.size(); ++k) {
-    noise += lobe.standard_error[k] * lobe.standard_error[k];
-    signal += lobe.value[k] * lobe.value[k];
-  }
-  return signal > 0 ? std::sqrt(noise / signal) : 0;
-}
-
 BenchmarkRow row_of(const std::string& stack, const std::string& method, const char* kind,
                     double ns, double error) {
   BenchmarkRow row{.what = "tradeoff/" + stack + "/" + method, .kind = kind};

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kDeepest = 1e4;  // a place in the bulk is rounded to 1e-3 of a mean free path
 constexpr double kNarrowestSggx = 0.02;  // smallest diagonal entry of A, over the largest
+constexpr double kNarrowestVmf = 0.01;   // alpha
 constexpr double kNarrowestHg = 0.97;    // at 0.99 thin layers are off by 5e-5
 constexpr double kMostGrazingPoint = 1e-4;
 constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
@@ -28,8 +29,7 @@ std::optional<std::string> why_not_medium(const HenyeyGreenstein& m, double) {
 template <class Flakes>
 std::optional<std::string> why_not_medium(const Flakes& m, double depth) {
   if constexpr (std::is_same_v<decltype(m.ndf), Vmf>) {
-    if (m.is_delta() || vmf_concentration(m.ndf.alpha()) > kLargestMarginalKappa)
-      return "vMF flakes narrower than alpha = 0.2 have no table";
+    if (m.ndf.alpha() < kNarrowestVmf) return "vMF flakes this narrow ask for double";
     // Light that sees their backs meets null collisions almost only: as many as its way is long.
     const double up = m.ndf.axis().z;
     if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
@@ -60,12 +60,14 @@ double largest_density(const Medium& medium) {
   if (const auto* vmf = std::get_if<MirrorFlakes<Vmf>>(&medium)) {
     // From behind, D of what faces w_i and sigma fall together.
     double largest = 0;
-    for (double u = -1; u <= 1; u += 0x1p-7) {
-      const double nearest = u < 0 ? std::sqrt((1 - u) * (1 + u)) : 1;
-      const double area = std::max(vmf_sigma(u, vmf->ndf.alpha()), 1e-6);
-      largest =
-          std::max(largest, vmf_density(vmf_concentration(vmf->ndf.alpha()), nearest) / (4 * area));
-    }
+    const double width = std::min(1.0, 6 * vmf->ndf.alpha());
+    for (const double range : {1.0, width})
+      for (double x = -1; x <= 1; x += 0x1p-7) {
+        const double u = range * x, nearest = u < 0 ? std::sqrt((1 - u) * (1 + u)) : 1;
+        const double area = std::max(vmf_sigma(u, vmf->ndf.alpha()), 1e-6);
+        largest = std::max(largest,
+                           vmf_density(vmf_concentration(vmf->ndf.alpha()), nearest) / (4 * area));
+      }
     return 2 * largest;
   }
   return 1;

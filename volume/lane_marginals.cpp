@@ -64,26 +64,32 @@ void append_cubics(std::vector<float>& table, const std::function<double(double)
 }
 
 std::vector<float> vmf_marginals(double kappa) {
+  // Of the densities exp(-kLargest) is left at most there.
+  constexpr double kLargest = 45;
+  const double scale = std::max(kappa, 1.0), end = std::min(scale, kLargest);
+  const double angle_end =
+      std::min(std::numbers::pi, std::sqrt(2 * kLargest / std::max(kappa, 1e-3)));
   std::vector<float> table;
-  table.reserve(16 * kMarginalPieces);
-  const Quantiles axial([=](double v) { return v * std::exp(kappa * (v - 1)); }, 1);
-  append_cubics(table, [&](double t) { return 1 - axial(t * t); });
-  const Quantiles back([=](double x) { return x * std::exp(-kappa * x); }, 1);
-  append_cubics(table, [&](double t) { return 1 + back(t * t); });
+  table.reserve(12 * kMarginalPieces);
+  const auto probability = [](double exponential) { return -std::expm1(-exponential); };
+  const auto by_root = [&](double t) { return probability(kLargestExponential * t * t); };
+  const auto by_cube_root = [&](double t) { return probability(kLargestExponential * t * t * t); };
+  const Quantiles axial([=](double y) { return (1 - y / scale) * std::exp(-y * (kappa / scale)); },
+                        end);
+  append_cubics(table, [&](double t) { return axial(by_root(t)) / scale; });
+  const Quantiles back([=](double y) { return y * std::exp(-y * (kappa / scale)); }, end);
+  append_cubics(table, [&](double t) { return 1 + back(by_root(t)) / scale; });
   // By the angle from the mean normal.
-  const auto tangential = [=](double angle) {
-    const double s = std::sin(angle);
-    return s * s * std::exp(kappa * (std::cos(angle) - 1));
-  };
-  const Quantiles upper(tangential, std::numbers::pi);
-  const auto complement = [](double angle) {
-    const double s = std::sin(angle / 2);
+  const Quantiles tangential(
+      [=](double angle) {
+        const double s = std::sin(angle), half = std::sin(angle / 2);
+        return s * s * std::exp(-2 * kappa * half * half);
+      },
+      angle_end);
+  append_cubics(table, [&](double t) {
+    const double s = std::sin(tangential(by_cube_root(t)) / 2);
     return 2 * s * s;
-  };
-  append_cubics(table, [&](double t) { return complement(upper(t * t * t / 2)); });
-  const Quantiles lower([=](double angle) { return tangential(std::numbers::pi - angle); },
-                        std::numbers::pi);
-  append_cubics(table, [&](double t) { return 2 - complement(lower(t * t * t / 2)); });
+  });
   return table;
 }
 

@@ -207,12 +207,15 @@ struct VmfOnLanes {
   using Words = WordsOf<Real>;
   Real up;  ///< 1 where the mean normal points up, -1 where down
   VisibleNormalMixture<Real> mixture;
+  Real mean, reach;
   Words first_piece;
   const float* tables;
   template <class Reader>
   LAMELLA_INLINE explicit VmfOnLanes(const Reader& n)
       : up(n(kUp)),
         mixture{n(kFront), n(kBack), n(kSide)},
+        mean(n(kMean)),
+        reach(n(kReach)),
         first_piece(word_of(n(kTable))),
         tables(n.numbers.tables) {}
 
@@ -233,9 +236,13 @@ struct VmfOnLanes {
   }
   /// sigma(w), absolute error below 2e-7.
   LAMELLA_INLINE Real sigma(Vec3<Real> w) const {
-    const Real x = multiply_add(up * w.z, Real(0.5 * kMarginalPieces), Real(0.5 * kMarginalPieces));
-    return nonnegative(
-        tabulated(Words(4u * kMarginalPieces), min(nonnegative(x), Real(kMarginalPieces - 1e-3))));
+    using std::abs;
+    const Real u = up * w.z;
+    const Real x = multiply_add(u * reciprocal(reach), Real(0.5 * kMarginalPieces),
+                                Real(0.5 * kMarginalPieces));
+    const Real near =
+        tabulated(Words(3u * kMarginalPieces), min(nonnegative(x), Real(kMarginalPieces - 1e-3)));
+    return nonnegative(select(abs(u) < reach, near, u * mean));
   }
   LAMELLA_INLINE LaneEvent<Real> draw(Vec3<Real> wi, const Words* words) const {
     using std::cbrt, std::sqrt;
@@ -245,14 +252,13 @@ struct VmfOnLanes {
     const Real tangent_x = select(at_pole, Real(1), inverse_s * wi.x);
     const Real tangent_y = select(at_pole, Real(0), inverse_s * wi.y);
     const Mask is_axial = uniform_of(words[1]) * mixture.majorant(u, s) < mixture.axial(u);
-    // 1 - the cosine with the axis, by cubics in t: t^2 or t^3 of the (folded) uniform number.
-    const Real xi = uniform_of(words[2]);
-    const Real folded = Real(2) * min(xi, Real(1) - xi);
-    const Real t = select(is_axial, sqrt(xi), cbrt(folded));
+    // 1 - the cosine with the axis, by cubics in t: the root or cube root of an exponential number.
+    const Real e = max(exponential_of(words[2]) * Real(1 / kLargestExponential), Real(1e-20));
+    const Real t = select(is_axial, sqrt(e), cbrt(e));
     const auto table = [](unsigned n) { return Words(n * kMarginalPieces); };
     const auto word_mask = [](Mask m) { return to_word_mask(m); };
-    const Words which = select(word_mask(is_axial), select(word_mask(behind), table(1), table(0)),
-                               select(word_mask(xi > Real(0.5)), table(3), table(2)));
+    const Words which =
+        select(word_mask(is_axial), select(word_mask(behind), table(1), table(0)), table(2));
     const Real below =
         tabulated(which, min(t * Real(kMarginalPieces), Real(kMarginalPieces - 1e-3)));
     const Vec3<Real> m = proposed_normal<Real>(is_axial, below, signed_uniform_of(words[3]));
@@ -301,10 +307,15 @@ struct VmfMirrorOnLanes : VmfOnLanes<Real> {
   }
   /// D(h) / (4 sigma(w_i))
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
-    using std::exp;
+    using std::abs, std::exp, std::sqrt;
     const Vec3<Real> h = e.wi + wo;
-    const Real cosine = this->up * h.z * reciprocal_sqrt(max(dot(h, h), Real(1e-20)));
-    return exp(kappa * (min(cosine, Real(1)) - Real(1))) * density_scale * e.inverse_sigma;
+    // 1 - cosine without cancellation: sine^2 / (1 + cosine) in front.
+    const Real along = this->up * h.z, across = multiply_add(h.x, h.x, h.y * h.y);
+    const Real inverse2 = reciprocal(max(multiply_add(along, along, across), Real(1e-20)));
+    const Real cosine = min(along * sqrt(inverse2), Real(1));
+    const Real below = select(
+        along > Real(0), across * inverse2 * reciprocal(Real(1) + abs(cosine)), Real(1) - cosine);
+    return exp(-(kappa * below)) * density_scale * e.inverse_sigma;
   }
 };
 

@@ -86,11 +86,16 @@ class LayerWriter {
     const double kappa = vmf_concentration(flakes.alpha()), u = dot(incident_, axis);
     set(kKappa, kappa);
     set(kDensityScale, vmf_density(kappa, 1) / 4);
+    // Six widths of the distribution: sigma(-u) is 1e-10 there.
+    const double reach = std::min(1.0, 6 / std::sqrt(std::max(kappa, 1e-300)));
+    set(kMean, vmf_mean_cosine(kappa));
+    set(kReach, reach);
     const std::size_t pieces = to_.tables.size() / 4;
     set(kTable, static_cast<double>(pieces));
     const std::vector<float> marginals = vmf_marginals(kappa);
     to_.tables.insert(to_.tables.end(), marginals.begin(), marginals.end());
-    append_cubics(to_.tables, [&](double t) { return vmf_sigma(2 * t - 1, flakes.alpha()); });
+    append_cubics(to_.tables,
+                  [&](double t) { return vmf_sigma(reach * (2 * t - 1), flakes.alpha()); });
     area = mixture.majorant(u, std::sqrt(std::max(0.0, (1 - u) * (1 + u))));
   }
 

@@ -218,6 +218,58 @@ struct EndedWalks {
   }
 };
 
+/// A set of lanes.
+template <int C>
+struct LaneWalks {
+  LaneState<Floats, C> state;
+  FloatMask free;  // lanes without a walk
+  int free_count;
+};
+
+/// Moves all walks to the first set, which has room for them: the last ones are long, and a step
+/// costs as much for one of them as for all of a set.
+template <int C>
+[[gnu::noinline]] void crowd(LaneWalks<C> (&all)[kSets]) {
+  struct Move {
+    int set, from, to;
+  };
+  Move moves[kLanes];
+  int count = 0;
+  std::uint32_t room = mask_bits(all[0].free);
+  for (int k = 1; k < kSets; ++k)
+    for (std::uint32_t left = mask_bits(!all[k].free); left != 0; left &= left - 1) {
+      moves[count++] = {k, __builtin_ctz(left), __builtin_ctz(room)};
+      room &= room - 1;
+    }
+  const auto move = [&](auto number_of) {
+    auto& first = number_of(all[0].state);
+    using Number = std::remove_reference_t<decltype(first)>;
+    alignas(64) typename Number::ScalarType of[kSets][kLanes];
+    for (int k = 0; k < kSets; ++k) number_of(all[k].state).store(of[k]);
+    for (const Move* m = moves; m < moves + count; ++m) of[0][m->to] = of[m->set][m->from];
+    first = Number::load(of[0]);
+  };
+  using State = LaneState<Floats, C>;
+  move([](State & w) -> auto& { return w.wi.x; });
+  move([](State & w) -> auto& { return w.wi.y; });
+  move([](State & w) -> auto& { return w.wi.z; });
+  move([](State & w) -> auto& { return w.y; });
+  move([](State & w) -> auto& { return w.layer; });
+  move([](State & w) -> auto& { return w.order; });
+  move([](State & w) -> auto& { return w.index; });
+  move([](State & w) -> auto& { return w.death; });
+  for (int k = 0; k < 4; ++k) move([k](State & w) -> auto& { return w.numbers.s[k]; });
+  for (int c = 0; c < C; ++c) move([c](State & w) -> auto& { return w.weight[c]; });
+  for (int k = 1; k < kSets; ++k) {
+    all[k].free = first_lanes<float>(kLanes);
+    all[k].free_count = kLanes;
+  }
+  alignas(64) float is_free[kLanes];
+  for (int k = 0; k < kLanes; ++k) is_free[k] = static_cast<float>(room >> k & 1u);
+  all[0].free = Floats::load(is_free) > Floats(0);
+  all[0].free_count -= count;
+}
+
 /// The walks of a task. The numbers of a walk are those of (seed, walk), so that it does not matter
 /// when and where it happens.
 template <int C, class Set, class Score>
@@ -232,11 +284,7 @@ template <int C, class Set, class Score>
   // event wrong with z, and at the last one count_all sees it. Depths follow: they are never 0
   // times infinity, as 1 / sigma and lengths of flights are finite.
   Floats poison(0);
-  struct Walks {
-    LaneState<Floats, C> state;
-    FloatMask free;  // lanes without a walk
-    int free_count;
-  };
+  using Walks = LaneWalks<C>;
   Walks all[kSets];
   for (Walks& w : all) {
     w.state.wi = incident;
@@ -329,7 +377,7 @@ template <int C, class Set, class Score>
     }
   }
   for (;;) {
-    FloatMask idle = first_lanes<float>(kLanes);
+    int walking = 0;
     for (Walks& w : all) {
       const int available = pool.to - pool.from;
       const Words rank = rank_of(w.free);
@@ -342,9 +390,10 @@ template <int C, class Set, class Score>
       if (pool.to - pool.from < kLanes) pool.fill(t, set);
       w.free = without(w.free, take);
       w.free_count -= taken;
-      idle = idle & w.free;
+      walking += kLanes - w.free_count;
     }
-    if (!any(!idle)) break;
+    if (walking == 0) break;
+    if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
     if constexpr (Set::kSingle) {
       for (Walks& w : all) {
         if (w.free_count == kLanes) continue;

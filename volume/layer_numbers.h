@@ -31,6 +31,8 @@ enum LayerField {
   kBack,               ///< vMF: sigma(-1)
   kSide,               ///< vMF: sigma(0)
   kKappa,              ///< vMF
+  kMean,               ///< vMF: cosine of the mean normal with the axis
+  kReach,              ///< vMF: beyond this |u| sigma(u) is u times the latter, or 0
   kTable,              ///< vMF: where its tables begin, in pieces
   kAlbedo,             ///< three channels
   kF0 = kAlbedo + 3,   ///< likewise; 1 where there is no Fresnel factor
@@ -47,8 +49,10 @@ struct LayerNumbers {
 
 /// Cubics of each of the tables of a vMF layer.
 inline constexpr int kMarginalPieces = 256;
-/// Tables of a vMF layer: four marginals, and sigma.
-inline constexpr int kVmfTables = 5;
+/// Tables of a vMF layer: three marginals, and sigma.
+inline constexpr int kVmfTables = 4;
+/// What an exponential number on lanes is at most.
+inline constexpr double kLargestExponential = 22.2;
 
 /// Numbers of one layer, the same for all lanes.
 template <class Real>

@@ -56,6 +56,10 @@ const std::vector<Case>& cases() {
        direction_from_degrees(20, 0)},
       {"medium = 'vmf_flake'\nroughness = 0.6\nflake = 'mirror'\nalbedo = 0.9\nthickness = 1.5",
        direction_from_degrees(150, 0)},
+      {"medium = 'vmf_flake'\nalpha = 0.02\nalbedo = 0.9\nthickness = 2",
+       direction_from_degrees(75, 0)},
+      {"medium = 'vmf_flake'\nalpha = 0.1\nflake = 'mirror'\nalbedo = 0.9\nthickness = 1.5",
+       direction_from_degrees(70, 0)},
       {"medium = 'vmf_flake'\nalpha = inf\nalbedo = 0.8\nthickness = 4",
        direction_from_degrees(45, 0)},
   };
@@ -238,6 +242,8 @@ TEST_P(LaneWalk, HardCasesKeepTheLedgerOrAreLeftToDouble) {
                          "medium = 'sggx'\nroughness = 0.03\nflake = 'lambert'",
                          "medium = 'vmf_flake'\nroughness = 1",
                          "medium = 'vmf_flake'\nalpha = 0.2",
+                         "medium = 'vmf_flake'\nalpha = 0.01",
+                         "medium = 'vmf_flake'\nalpha = 0.01\nflake = 'mirror'",
                          "medium = 'vmf_flake'\nalpha = inf\nflake = 'mirror'",
                          "medium = 'vmf_flake'\nroughness = 0.1\naxis = [0, 0, -1]",
                          "medium = 'lambert_sphere'",
@@ -262,10 +268,12 @@ TEST_P(LaneWalk, HardCasesKeepTheLedgerOrAreLeftToDouble) {
             EXPECT_EQ(run.reflected.total[0].value, 0) << keys;
           }
         }
-  for (const char* medium : {"medium = 'sggx'\nroughness = 0.001\nthickness = 1",
-                             "medium = 'vmf_flake'\nalpha = 0.1\nthickness = 1",
-                             "medium = 'henyey_greenstein'\ng = 0.99\nthickness = 1",
-                             "medium = 'lambert_sphere'\nthickness = 1e9"}) {
+  for (const char* medium :
+       {"medium = 'sggx'\nroughness = 0.001\nthickness = 1",
+        "medium = 'vmf_flake'\nalpha = 0.005\nthickness = 1",
+        "medium = 'vmf_flake'\nroughness = 0.5\naxis = [0.5, 0, 1]\nthickness = 1",
+        "medium = 'henyey_greenstein'\ng = 0.99\nthickness = 1",
+        "medium = 'lambert_sphere'\nthickness = 1e9"}) {
     const Stack stack = stack_from(layer(medium));
     EXPECT_TRUE(why_not_lanes(stack, plan_for(stack, GetParam()))) << medium;
   }
@@ -288,7 +296,7 @@ double cumulative(const Density& density, double from, double to, double end) {
 }
 
 TEST(LaneMarginals, TablesInvertTheirDistributions) {
-  for (const double kappa : {0.0, 0.3, 1.327, 8.0, kLargestMarginalKappa}) {
+  for (const double kappa : {0.0, 0.3, 1.327, 8.0, 50.0, 2e4}) {
     const std::vector<float> table = vmf_marginals(kappa);
     const auto value = [&](int which, double t) {
       const double scaled = std::min(t * kMarginalPieces, kMarginalPieces - 1e-3);
@@ -297,23 +305,30 @@ TEST(LaneMarginals, TablesInvertTheirDistributions) {
       const float* c = table.data() + 4 * (which * kMarginalPieces + piece);
       return c[0] + x * (c[1] + x * (c[2] + x * static_cast<double>(c[3])));
     };
+    // Lengths in which the distributions fall.
+    const double scale = std::max(kappa, 1.0), end = std::min(scale, 45.0);
+    const double angle_end = std::min(kPi, std::sqrt(90 / std::max(kappa, 1e-3)));
     for (int k = 0; k < 40; ++k) {
       const double t = (k + 0.43) / 40;
-      const double axial = 1 - value(0, t), back = value(1, t) - 1;
-      EXPECT_NEAR(cumulative([&](double v) { return v * std::exp(kappa * (v - 1)); }, 0, axial, 1),
-                  t * t, 2e-5)
+      const double by_root = -std::expm1(-kLargestExponential * t * t);
+      const double by_cube_root = -std::expm1(-kLargestExponential * t * t * t);
+      const double axial = value(0, t) * scale, back = (value(1, t) - 1) * scale;
+      EXPECT_NEAR(
+          cumulative([&](double y) { return (1 - y / scale) * std::exp(-y * kappa / scale); }, 0,
+                     axial, end),
+          by_root, 2e-6)
           << kappa << ' ' << t;
-      EXPECT_NEAR(cumulative([&](double x) { return x * std::exp(-kappa * x); }, 0, back, 1), t * t,
-                  2e-5)
+      EXPECT_NEAR(
+          cumulative([&](double y) { return y * std::exp(-y * kappa / scale); }, 0, back, end),
+          by_root, 2e-6 + 1e-7 * scale)
           << kappa << ' ' << t;
       const auto tangential = [&](double angle) {
-        return std::pow(std::sin(angle), 2) * std::exp(kappa * (std::cos(angle) - 1));
+        return std::pow(std::sin(angle), 2) *
+               std::exp(-2 * kappa * std::pow(std::sin(angle / 2), 2));
       };
-      for (const int which : {2, 3}) {
-        const double angle = std::acos(1 - std::clamp(value(which, t), 0.0, 2.0));
-        const double from_top = cumulative(tangential, 0, angle, kPi);
-        EXPECT_NEAR(which == 2 ? from_top : 1 - from_top, t * t * t / 2, 2e-5) << kappa << ' ' << t;
-      }
+      const double angle = 2 * std::asin(std::sqrt(std::clamp(value(2, t) / 2, 0.0, 1.0)));
+      EXPECT_NEAR(cumulative(tangential, 0, angle, angle_end), by_cube_root, 2e-6)
+          << kappa << ' ' << t;
     }
   }
 }
