@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "compare/benchmark.h"
+#include "compare/lane_sorting.h"
 #include "phase/stack_file.h"
 #include "volume/simulation.h"
 
@@ -50,8 +54,9 @@ class TimedWalks {
   std::unique_ptr<Simulation> walks_;
 };
 
-void measure(const std::vector<MixedMedium>& media, const BenchmarkEffort& effort,
-             std::uint64_t seed, const ReportRow& report) {
+// Returns what masks cost: seconds per collision beyond those of each medium alone.
+double measure(const std::vector<MixedMedium>& media, const BenchmarkEffort& effort,
+               std::uint64_t seed, const ReportRow& report) {
   std::string name;
   std::vector<TimedWalks> alone;
   for (const MixedMedium& medium : media) {
@@ -74,6 +79,28 @@ void measure(const std::vector<MixedMedium>& media, const BenchmarkEffort& effor
   row.ratio_to_baseline = sum_alone / sum;
   row.extra = {{"walks", mixed.simulation().walks()}, {"isa", to_text(mixed.simulation().isa())}};
   report(std::move(row));
+  return (sum - sum_alone) / effort.repetitions;
+}
+
+// What it would cost to have lanes sorted by medium instead: to move walks whenever that changes.
+void measure_sorting(const BenchmarkEffort& effort, double masks, const ReportRow& report) {
+  const auto sort = sort_walks_for(effort.isa);
+  if (!sort) return;
+  const double walks = sorted_walks_for(effort.isa)();
+  double best = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < effort.repetitions; ++k) {
+    std::uint32_t steps = 1024, sum = 0;
+    double taken = 0;
+    while (taken < effort.repetition_seconds) taken = seconds_of([&] { sum += sort(steps *= 2); });
+    if (sum == 1) return;  // which it is not: what is summed has been moved
+    best = std::min(best, taken / (steps * walks));
+  }
+  BenchmarkRow row{.what = "mixed/sorting two media, per walk and step", .kind = "walk"};
+  row.seconds = best;
+  row.baseline = "what masks cost two media per collision";
+  row.ratio_to_baseline = std::max(0.0, masks) / best;
+  row.extra["isa"] = to_text(effort.isa);
+  report(std::move(row));
 }
 
 }  // namespace
@@ -85,7 +112,17 @@ void measure_mixed(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
                                                      {kSphere, kVmf},
                                                      {kSggx, kVmf},
                                                      {kSphere, kHenyeyGreenstein, kSggx, kVmf}};
-  for (const auto& media : stacks) one.execute([&] { measure(media, effort, seed, report); });
+  double masks = 0;
+  int pairs = 0;
+  for (const auto& media : stacks)
+    one.execute([&] {
+      const double cost = measure(media, effort, seed, report);
+      if (media.size() == 2) {
+        masks += cost;
+        ++pairs;
+      }
+    });
+  one.execute([&] { measure_sorting(effort, masks / pairs, report); });
 }
 
 }  // namespace lamella

@@ -118,8 +118,7 @@ struct EndedWalks {
     const bool thins = t.walk.thinned_from > 0;
     const bool cells = t.estimate == LaneEstimate::cells_counted;
     const bool weighs = t.weighs();
-    const int targets = t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
-    const int nowhere = 4 * targets;
+    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
     Floats spoiled(0);  // or not a number
     // What is a vector's work, then what is not, so that nothing waits in between.
     for (int k = 0; k < size; k += kLanes) {
@@ -148,33 +147,13 @@ struct EndedWalks {
       spoiled = spoiled + select(first_lanes<float>(n), flat * Floats(0), Floats(0));
     }
     finite = finite && !any(!equal(spoiled, Floats(0)));
-    // A walk in a cell is counted nowhere else.
-    if (thins)
-      for (int j = 0; j < size; ++j) {
-        LaneSums& sums = sums_of(t, j);
-        const auto walks = std::uint32_t{1} << spared_of_walk[j];
-        if (cells && !weighs)
-          sums.cells[target_of[j]] += walks;
-        else
-          sums.ends[place_of[j]] += walks;
-      }
-    else if (cells && !weighs)
-      for (int j = 0; j < size; ++j) ++sums_of(t, j).cells[target_of[j]];
-    else
-      for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
-    for (int channel = 0; weighs && channel < t.channels; ++channel) {
-      const int first_cell = channel * nowhere;
-      for (int j = 0; j < size; ++j) {
-        LaneSums& sums = sums_of(t, j);
-        std::int64_t w =
-            C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][j] * 0x1p32f)
-                  : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
-                                 order_of[j]];
-        if (thins) w <<= spared_of_walk[j];
-        sums.weights[channel * kPlaces + static_cast<int>(place_of[j])] += w;
-        if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
-          sums.cells[first_cell + static_cast<int>(target_of[j])] += w;
-      }
+    if (kIndex && t.batch_count > 1) {
+      count(t, [&](int j) LAMELLA_INLINE_LAMBDA -> LaneSums& {
+        return *t.batches[t.batch_of(index[j])].sums;
+      });
+    } else {
+      LaneSums& sums = *t.batches[0].sums;
+      count(t, [&](int) LAMELLA_INLINE_LAMBDA -> LaneSums& { return sums; });
     }
     size = 0;
   }
@@ -188,8 +167,41 @@ struct EndedWalks {
   alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom],
       spared_of_walk[kRoom];
 
-  LAMELLA_INLINE LaneSums& sums_of(const LaneWalkTask& t, int j) const {
-    return *t.batches[kIndex ? t.batch_of(index[j]) : 0].sums;
+  // sums_of(j): the sums that ended walk j counts in.
+  template <class SumsOf>
+  LAMELLA_INLINE void count(const LaneWalkTask& t, const SumsOf& sums_of) {
+    const bool thins = t.walk.thinned_from > 0;
+    const bool cells = t.estimate == LaneEstimate::cells_counted;
+    const bool weighs = t.weighs();
+    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
+    // A walk in a cell is counted nowhere else.
+    if (thins)
+      for (int j = 0; j < size; ++j) {
+        LaneSums& sums = sums_of(j);
+        const auto walks = std::uint32_t{1} << spared_of_walk[j];
+        if (cells && !weighs)
+          sums.cells[target_of[j]] += walks;
+        else
+          sums.ends[place_of[j]] += walks;
+      }
+    else if (cells && !weighs)
+      for (int j = 0; j < size; ++j) ++sums_of(j).cells[target_of[j]];
+    else
+      for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
+    for (int channel = 0; weighs && channel < t.channels; ++channel) {
+      const int first_cell = channel * nowhere;
+      for (int j = 0; j < size; ++j) {
+        LaneSums& sums = sums_of(j);
+        std::int64_t w =
+            C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][j] * 0x1p32f)
+                  : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
+                                 order_of[j]];
+        if (thins) w <<= spared_of_walk[j];
+        sums.weights[channel * kPlaces + static_cast<int>(place_of[j])] += w;
+        if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
+          sums.cells[first_cell + static_cast<int>(target_of[j])] += w;
+      }
+    }
   }
 
   // [slot][target], or `elsewhere`.
@@ -324,7 +336,8 @@ template <int C, class Set, class Score>
     events = select(to_word_mask(now.gone), events | Words(1u), events);
     if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
     store_compressed(events, now.ends, ended.events + ended.size);
-    if constexpr (Score::kUsesIndex) store_compressed(w.index, now.ends, ended.index + ended.size);
+    if constexpr (Score::kUsesIndex)
+      if (t.batch_count > 1) store_compressed(w.index, now.ends, ended.index + ended.size);
     store_compressed(w.wi.z, now.ends, ended.z + ended.size);
     if (t.estimate == LaneEstimate::cells_counted) {
       store_compressed(w.wi.x, now.ends, ended.x + ended.size);
