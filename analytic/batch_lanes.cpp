@@ -105,16 +105,7 @@ LAMELLA_INLINE void evaluate(const Formula& formula, int channels, const double*
     evaluate(*formula, channels, pairs, values, count);                                 \
   }
 
-LAMELLA_BATCH_FUNCTION(fon_batch, FonFormula)
-LAMELLA_BATCH_FUNCTION(eon_batch, EonExactFormula)
-LAMELLA_BATCH_FUNCTION(eon_fit_batch, EonFitFormula)
-LAMELLA_BATCH_FUNCTION(oren_nayar_batch, OrenNayarFormula)
-LAMELLA_BATCH_FUNCTION(fujii_batch, FujiiFormula)
-LAMELLA_BATCH_FUNCTION(full_oren_nayar_batch, FullOrenNayarFormula)
-LAMELLA_BATCH_FUNCTION(lambert_sphere_batch, AnalyticLambertSphere)
-LAMELLA_BATCH_FUNCTION(fast_lambert_sphere_batch, FastLambertSphere)
-LAMELLA_BATCH_FUNCTION(hapke_batch, HapkeLambertSphere)
-LAMELLA_BATCH_FUNCTION(vmf_diffuse_batch, VmfDiffuseFormula)
+LAMELLA_BATCH_FORMULAS(LAMELLA_BATCH_FUNCTION)
 
 #undef LAMELLA_BATCH_FUNCTION
 

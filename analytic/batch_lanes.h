@@ -32,16 +32,20 @@ using EonFitFormula = EonFormula<EonAlbedo::fit>;
 using OrenNayarFormula = QualitativeFormula<false>;
 using FujiiFormula = QualitativeFormula<true>;
 
-LAMELLA_BATCH_FUNCTION(fon_batch, FonFormula)
-LAMELLA_BATCH_FUNCTION(eon_batch, EonExactFormula)
-LAMELLA_BATCH_FUNCTION(eon_fit_batch, EonFitFormula)
-LAMELLA_BATCH_FUNCTION(oren_nayar_batch, OrenNayarFormula)
-LAMELLA_BATCH_FUNCTION(fujii_batch, FujiiFormula)
-LAMELLA_BATCH_FUNCTION(full_oren_nayar_batch, FullOrenNayarFormula)
-LAMELLA_BATCH_FUNCTION(lambert_sphere_batch, AnalyticLambertSphere)
-LAMELLA_BATCH_FUNCTION(fast_lambert_sphere_batch, FastLambertSphere)
-LAMELLA_BATCH_FUNCTION(hapke_batch, HapkeLambertSphere)
-LAMELLA_BATCH_FUNCTION(vmf_diffuse_batch, VmfDiffuseFormula)
+/// DO(name, formula) for each of them.
+#define LAMELLA_BATCH_FORMULAS(DO)                 \
+  DO(fon_batch, FonFormula)                        \
+  DO(eon_batch, EonExactFormula)                   \
+  DO(eon_fit_batch, EonFitFormula)                 \
+  DO(oren_nayar_batch, OrenNayarFormula)           \
+  DO(fujii_batch, FujiiFormula)                    \
+  DO(full_oren_nayar_batch, FullOrenNayarFormula)  \
+  DO(lambert_sphere_batch, AnalyticLambertSphere)  \
+  DO(fast_lambert_sphere_batch, FastLambertSphere) \
+  DO(hapke_batch, HapkeLambertSphere)              \
+  DO(vmf_diffuse_batch, VmfDiffuseFormula)
+
+LAMELLA_BATCH_FORMULAS(LAMELLA_BATCH_FUNCTION)
 
 #undef LAMELLA_BATCH_FUNCTION
 

@@ -17,8 +17,7 @@ namespace {
 // own curves.
 constexpr int kTruthFactor = 4;
 constexpr int kFewestWalksPerBatch = 32;
-// Of the solver as truth; the quadrature over cells has the rest of the tolerance.
-constexpr double kTruthTolerance = 1e-5, kSolverShare = 0.5;
+constexpr double kTruthTolerance = 1e-5;  // of the solver as truth
 
 double nanoseconds(double seconds, int cells) { return seconds * 1e9 / cells; }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "phase/parameters.h"
+#include "volume/deterministic_run.h"
 
 namespace lamella {
 namespace {
@@ -14,8 +15,8 @@ namespace {
 constexpr int kTrialNodes = 64, kTrialModes = 64;
 constexpr double kTrialSeconds = 20;
 constexpr double kSeconds = 60;  // of a solution that was asked for, unless --time says otherwise
-// The rest of the tolerance is for the quadrature over cells.
-constexpr double kSolverShare = 0.5, kRefinedShare = 0.1;
+// Where cells miss the tolerance with kSolverShare of it.
+constexpr double kRefinedShare = 0.1;
 
 std::string cost_of(const DeterministicAccuracy& a) {
   return fmt::format("{:.1e} with {} nodes and {} modes", a.error, a.nodes, a.modes);

@@ -9,6 +9,9 @@
 
 namespace lamella {
 
+/// What of a tolerance for cells goes to the solution; the quadratures over cells have the rest.
+inline constexpr double kSolverShare = 0.5;
+
 /// The lobes on cells and the ledger of a solved stack, one result per incident direction, in the
 /// form that walks give them; error bounds stand in the place of standard errors.
 ///

@@ -200,8 +200,9 @@ struct NoScoreByIndex : NoScore {
 /// How walks end in a step.
 template <class Real>
 struct LaneEnds {
-  MaskOf<Real> ends;         ///< of which lanes
-  MaskOf<Real> gone;         ///< an event ended it; otherwise it left the stack
+  MaskOf<Real> lives;        ///< which walks the event left to fly on
+  MaskOf<Real> ends;         ///< which ended, by the event or in the flight
+  MaskOf<Real> gone;         ///< by the event; otherwise it left the stack
   MaskOf<Real> events;       ///< which lanes met an event
   MaskOf<Real> reflections;  ///< the substrate's among them
 };
@@ -313,15 +314,15 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
   } else {
     lives = to_float_mask(is_below(w.order, w.death));
   }
-  return {lives, !lives, events, reflections};
+  return {lives, !lives, !lives, events, reflections};
 }
 
-/// The flight that follows: `now.ends`, before it the lanes whose walks live, becomes true.
+/// The flight that follows, which tells `now.ends`.
 template <int C, bool kFull = false, class Set, class Real>
 LAMELLA_INLINE void fly(const Set& set, LaneState<Real, C>& w, const LaneDraws<Real>& draws,
                         MaskOf<Real> active, LaneEnds<Real>& now) {
   using Mask = MaskOf<Real>;
-  const Mask flies = kFull ? now.ends : active & now.ends;
+  const Mask flies = kFull ? now.lives : active & now.lives;
   const Mask goes_on = flies & set.fly(w.wi, draws.remaining, flies, w.layer, w.y);
   now.ends = kFull ? !goes_on : without(active, goes_on);
 }

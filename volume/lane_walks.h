@@ -426,7 +426,7 @@ template <int C, class Set, class Score>
         LaneDraws<Floats> draws;
         draw(set, w, draws);
         now[k] = scatter(t.walk, set, w, draws, active, score);
-        flights[k] = set.begin_flight(w.wi, draws.remaining, active & now[k].ends, w.layer, w.y);
+        flights[k] = set.begin_flight(w.wi, draws.remaining, active & now[k].lives, w.layer, w.y);
       }
       for (bool flying = true; flying;) {
         flying = false;

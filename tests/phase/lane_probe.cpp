@@ -84,6 +84,28 @@ void probe_words(const std::uint32_t* words, float* uniform, float* signed_unifo
   }
 }
 
+void probe_conditions(const std::uint32_t* a, const std::uint32_t* b, const float* x,
+                      const float* limit, std::uint32_t* conditions, std::uint32_t* xors,
+                      std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Words u = Words::load(a + i), v = Words::load(b + i);
+    const WordMask below = is_below(u, v);
+    const WordMask within = to_word_mask(is_within(Floats::load(x + i), Floats::load(limit + i)));
+    (select(below, Words(1u), Words(0u)) | select(within, Words(2u), Words(0u)))
+        .store(conditions + i);
+    xor_of(u, v, Words(0x5A5A1234u)).store(xors + i);
+  }
+}
+
+void probe_highest_bits(const std::uint32_t* a, std::uint32_t* places, std::uint32_t* words,
+                        std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Words place = highest_bit(Words::load(a + i));
+    place.store(places + i);
+    word_with_bit(place).store(words + i);
+  }
+}
+
 int probe_masks(const float* x, const std::uint32_t* masks, float* compressed, std::uint32_t* ranks,
                 float* permuted, std::uint32_t* bits, std::size_t groups) {
   for (std::size_t g = 0; g < groups; ++g) {

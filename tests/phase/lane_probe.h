@@ -36,6 +36,16 @@ LAMELLA_LANE_FUNCTION(void, probe_words,
                       (const std::uint32_t* words, float* uniform, float* signed_uniform,
                        float* fine, float* exponential, float* sine, float* cosine,
                        std::size_t count))
+/// Words below 2^31, floats by their bits: bits 0 and 1 of conditions[i] are is_below(a, b) and
+/// is_within(x, limit) of those at i; xors: xor_of(a, b, 0x5A5A1234).
+LAMELLA_LANE_FUNCTION(void, probe_conditions,
+                      (const std::uint32_t* a, const std::uint32_t* b, const float* x,
+                       const float* limit, std::uint32_t* conditions, std::uint32_t* xors,
+                       std::size_t count))
+/// highest_bit(a), a from 1 to 2^24, and word_with_bit of that.
+LAMELLA_LANE_FUNCTION(void, probe_highest_bits,
+                      (const std::uint32_t* a, std::uint32_t* places, std::uint32_t* words,
+                       std::size_t count))
 /// Bit k of masks[i] is the condition of lane k of group i: the chosen lanes of x in order, the
 /// ranks, and x permuted by them. Returns the lanes of a group.
 LAMELLA_LANE_FUNCTION(int, probe_masks,

@@ -1,6 +1,7 @@
 // Lanes of float on every instruction set that the machine has, against double.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 
@@ -150,6 +151,51 @@ TEST_P(Lanes, WhatIsDrawnFromWordsKeepsItsStatedErrors) {
     const auto [s, c] = azimuth_of(words[i]);
     EXPECT_NEAR(sine[i], s, 6e-7) << words[i];
     EXPECT_NEAR(cosine[i], c, 6e-7) << words[i];
+  }
+}
+
+// At the ends of what they are for, and everywhere between.
+TEST_P(Lanes, ComparisonsAreThoseOfTheScalarNumbers) {
+  std::vector<std::uint32_t> a(kMany), b(kMany), conditions(kMany), xors(kMany);
+  std::vector<float> x(kMany), limit(kMany);
+  const std::uint32_t words[] = {0, 1, 2, 1000, 0x7FFFFFFE, 0x7FFFFFFF};
+  const float numbers[] = {
+      0.0f,  1e-45f, -1e-45f, 1e-30f,   -1e-30f,   1.0f,         std::nextafter(1.0f, 2.0f),
+      -1.0f, 1e30f,  -1e30f,  INFINITY, -INFINITY, std::nanf("")};
+  const float limits[] = {0.0f, 1e-45f, 1.0f, 1e30f, INFINITY};
+  for (std::size_t i = 0; i < kMany; ++i) {
+    a[i] = words[i % std::size(words)];
+    b[i] = words[i / std::size(words) % std::size(words)];
+    x[i] = numbers[i % std::size(numbers)];
+    limit[i] = limits[i / std::size(numbers) % std::size(limits)];
+    if (i % 3 == 0) {
+      a[i] = static_cast<std::uint32_t>(i) * 2654435761u >> 1;
+      b[i] = static_cast<std::uint32_t>(i) * 2246822519u >> 1;
+    }
+  }
+  probe_conditions_for(GetParam())(a.data(), b.data(), x.data(), limit.data(), conditions.data(),
+                                   xors.data(), kMany);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    EXPECT_EQ(conditions[i] & 1, a[i] < b[i]) << a[i] << ' ' << b[i];
+    EXPECT_EQ(conditions[i] >> 1, 0 <= x[i] && x[i] <= limit[i]) << x[i] << ' ' << limit[i];
+    EXPECT_EQ(xors[i], a[i] ^ b[i] ^ 0x5A5A1234u);
+  }
+}
+
+TEST_P(Lanes, HighestBitsAreFoundUpTo24) {
+  std::vector<std::uint32_t> a(kMany), places(kMany), words(kMany);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    const std::uint32_t power = 1u << (i % 25);
+    a[i] = i < 25   ? power
+           : i < 50 ? std::max(power - 1, 1u)
+                    : power | (static_cast<std::uint32_t>(i) & (power - 1));
+  }
+  probe_highest_bits_for(GetParam())(a.data(), places.data(), words.data(), kMany);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    EXPECT_EQ(places[i], static_cast<std::uint32_t>(std::bit_width(a[i])) - 1) << a[i];
+    EXPECT_EQ(words[i], std::bit_floor(a[i])) << a[i];
+    EXPECT_EQ(places[i], highest_bit(a[i]));
+    EXPECT_EQ(words[i], word_with_bit(highest_bit(a[i])));
   }
 }
 

@@ -197,7 +197,7 @@ TEST(DeterministicSoak, CellsOfMirrorsReachEightDigits) {
   const Plan plan = make_plan(stack);
   const auto runs = [&](double tolerance) {
     const DeterministicSolution solution =
-        solve_deterministic(stack, {.tolerance = 0.5 * tolerance, .max_seconds = 3000});
+        solve_deterministic(stack, {.tolerance = kSolverShare * tolerance, .max_seconds = 3000});
     return deterministic_runs(solution, plan, incident, grid, tolerance).front();
   };
   const RunResult coarse = runs(1e-7), fine = runs(1e-8);
