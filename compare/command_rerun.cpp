@@ -60,7 +60,10 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
       .model = {}};
   recorded.options.seed = whole("seed");
   recorded.options.max_order = whole("max_order");
-  recorded.options.thin_from = static_cast<std::uint32_t>(whole("thin_from"));
+  // Before there was thinning nothing was thinned.
+  recorded.options.thin_from = image.attributes.contains("lamella.thin_from")
+                                   ? static_cast<std::uint32_t>(whole("thin_from"))
+                                   : 0;
   recorded.options.isa = text("isa");
   recorded.options.estimator = text("estimator_asked");
   recorded.options.target_error = recorded.options.seconds = std::nullopt;

@@ -39,6 +39,9 @@ class BrokenCommandLines(ProgramTest):
                 self.refused(["simulate", option, value], f'{option}: found "{value}"',
                              "allowed: a number in (0, inf)")
         self.refused(["simulate", "--max-order", "0"], '--max-order: found "0"', "allowed:")
+        for bad in ("3", "-1", "often", "2097152"):
+            self.refused(["simulate", "--thin-from", bad], f'--thin-from: found "{bad}"',
+                         "allowed: 0, or a power of two")
         self.refused(["compare", "--max-error", "-1"], '--max-error: found "-1"', "allowed:")
 
     def test_choices(self):

@@ -177,6 +177,20 @@ class Furnaces(ProgramTest):
             answer = self.json_of("furnace", stack, *QUICK, "--quiet")
             self.assertTrue(all(run["absorbed"] == [0] for run in answer["runs"]))
 
+    def test_long_walks_are_thinned_where_little_is_absorbed(self):
+        arguments = ["lambert_sphere_white", *QUICK, "--wi", "60", "--quiet"]
+        thinned = self.json_of("simulate", *arguments)["runs"][0]
+        self.assertEqual((thinned["thinned_from"], thinned["max_order"]), (16, 1048576))
+        self.assertAlmostEqual(thinned["reflected"]["total"][0] + thinned["thinned"][0]
+                               + thinned["unresolved"][0], 1, 9)
+        self.assertEqual(thinned["absorbed"], [0])
+        never = self.json_of("simulate", *arguments, "--thin-from", "0")["runs"][0]
+        self.assertNotIn("thinned", never)
+        self.assertEqual(never["max_order"], 1000)
+        self.assertGreater(never["unresolved"][0], 0.01)
+        self.assertIn("thinned: after 16 events", self.lamella("explain", "lambert_sphere_white").out)
+        self.assertNotIn("thinned", self.lamella("explain", "sggx_slab").out)
+
     def test_a_white_half_space_cut_short_is_inconclusive(self):
         arguments = ["lambert_sphere_white", *QUICK, "--max-order", "20"]
         self.assertEqual(self.verdict(*arguments), "inconclusive")

@@ -35,6 +35,10 @@ class ARunIsRepeatedBitByBit(ProgramTest):
         self.lamella("simulate", "sggx_slab", "--wi", "60", "--target-error", "0.01",
                      "--estimator", "next-event", "--grid", "2x4", "--quiet", "-o", "b.exr")
         self.repeated("b.exr")
+        # Thinned by default, and from an event that was asked for.
+        for options in ([], ["--thin-from", "4", "--max-order", "5000"]):
+            self.lamella("simulate", "lambert_sphere_white", "--wi", "60", *QUICK, *options, "-o", "c.exr")
+            self.repeated("c.exr", "--threads", "3")
 
     def test_of_the_solver_too(self):
         self.lamella("compare", "lambert_sphere_halfspace", "--wi", "60", "--tolerance", "1e-4", "--grid", "4x8",
