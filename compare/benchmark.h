@@ -86,6 +86,10 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// estimator and by the solver, one thread.
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// What Russian roulette does to time x variance: the textbook loops with it from event 1, 4, 16 on
+/// and never, one thread.
+void measure_roulette(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// What weighing the analog and the next-event estimator against each other in every cell could
 /// save at best, one thread.
 void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,

@@ -65,6 +65,7 @@ const std::vector<BenchPart>& parts() {
                                            {"plan", measure_plan},
                                            {"threads", measure_threads},
                                            {"accuracy", measure_accuracy},
+                                           {"roulette", measure_roulette},
                                            {"combined", measure_combination},
                                            {"growth", measure_growth_of_walks},
                                            {"solver", measure_deterministic},

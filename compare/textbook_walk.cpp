@@ -11,7 +11,7 @@ namespace lamella {
 namespace {
 
 constexpr int kMuCells = 16, kPhiCells = 32;
-constexpr int kWeightedEvents = 3;
+constexpr double kNothing = 1e-9;  // a weight that is not followed any more
 
 struct Pcg32 {
   std::uint64_t state, increment;
@@ -217,6 +217,7 @@ void TextbookWalk::advance(std::uint64_t walks) {
 template <class Medium, class Generator>
 void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walks) {
   const double depth = case_.depth, albedo = case_.albedo;
+  const int weighted = case_.weighted_events;
   const double cells_per_sr = kMuCells * kPhiCells / kPi;
   const std::size_t points = points_.size();
   std::vector<double> f(points);  // of the walk at hand
@@ -236,8 +237,12 @@ void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walk
       for (std::size_t j = 0; j < points; ++j)
         f[j] += weight * albedo * medium.density(wi, event, points_[j]) * std::exp(-y * rate_[j]) /
                 points_[j].z;
-      if (events <= kWeightedEvents) {
+      if (events <= weighted) {
         weight *= albedo;
+        if (weight < kNothing) {
+          weight = 0;
+          break;
+        }
       } else if (rng.uniform() >= albedo) {
         weight = 0;
         break;

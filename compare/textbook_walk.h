@@ -11,8 +11,9 @@ namespace lamella {
 /// user would write them from the papers, in scalar double. They share nothing with the engine but
 /// the type of a direction, and have no orders, no ledger, no batches.
 ///
-/// Generator: see TextbookGenerator. Weights are the engine's: the weight times the albedo at
-/// each of the first three events, from the fourth on survival with the albedo as probability.
+/// Generator: see TextbookGenerator. Weights are the engine's unless a case says otherwise: the
+/// weight times the albedo at each of the first three events, from the fourth on survival with the
+/// albedo as probability.
 enum class TextbookMedium {
   lambert_sphere,     ///< d'Eon 2021, eq. 6, for the deflection; a frame about the direction
   sggx_mirror,        ///< Heitz et al. 2015: visible normals in a frame about w_i, mirrored
@@ -25,6 +26,7 @@ struct TextbookCase {
   double parameter;  ///< sggx_mirror: alpha; vmf_lambert: r; henyey_greenstein: g
   double depth;      ///< thickness times density; infinity for a half space
   double albedo;
+  int weighted_events = 3;  ///< from the next one on survival with the albedo as probability
 };
 
 enum class TextbookGenerator {
