@@ -77,9 +77,10 @@ export function furnace(page, answer, details) {
     const number = (field, value, digits) => element("td", {"data-field": field, "data-value": value},
       digits ? value.toFixed(digits) : short(value, 2));
     const head = models ? ["θ_i", "Energy", "Energy − 1", "Verdict"]
-      : ["θ_i", "Energy", "±", "Reflected", "Transmitted", "Uncollided", "Absorbed", "Unresolved", "Walks", "Verdict"];
-    const radiance = answer.runs?.some((r) => r.radiance);
-    if (radiance && !models) head.splice(9, 0, "Radiance", "Predicted");
+      : ["θ_i", "Energy", "±", "Reflected", "Transmitted", "Uncollided", "Absorbed", "Unresolved",
+        ...(answer.runs?.some((r) => r.thinned) ? ["Thinned"] : []), "Walks", "Verdict"];
+    const radiance = answer.runs?.some((r) => r.radiance), listed = head.includes("Thinned") ? [...parts, "thinned"] : parts;
+    if (radiance && !models) head.splice(-1, 0, "Radiance", "Predicted");
     table.replaceChildren(scrolling("All numbers", element("table", {id: "numbers"},
       element("thead", {}, element("tr", {}, models ? element("th", {class: "text"}, "Model") : null,
         head.map((h) => element("th", {scope: "col", class: h === "Verdict" ? "text" : null}, h)))),
@@ -87,7 +88,7 @@ export function furnace(page, answer, details) {
         models ? element("td", {class: "text"}, s.name) : null,
         number("mu_i", r.mu_i, 0), number("energy", r.energy[c], 6),
         models ? element("td", {}, short(r.energy[c] - 1, 2)) : [number("energy_standard_error", r.energy_standard_error[c]),
-          ...parts.map((name) => number(name, name === "reflected" || name === "transmitted" ? r[name].total[c] : r[name][c], 6)),
+          ...listed.map((name) => number(name, name === "reflected" || name === "transmitted" ? r[name].total[c] : r[name][c], 6)),
           element("td", {}, r.walks.toLocaleString("en")),
           ...(radiance ? [element("td", {}, r.radiance ? `${r.radiance.measured.toFixed(4)} ± ${short(r.radiance.standard_error, 1)}` : "–"),
             element("td", {}, r.radiance ? `${r.radiance.predicted.toFixed(4)} ± ${short(r.radiance.predicted_standard_error, 1)}` : "–")] : [])],
