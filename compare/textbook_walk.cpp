@@ -11,6 +11,7 @@ namespace lamella {
 namespace {
 
 constexpr int kMuCells = 16, kPhiCells = 32;
+constexpr int kWeightedEvents = TextbookCase{}.weighted_events;
 constexpr double kNothing = 1e-9;  // a weight that is not followed any more
 
 struct Pcg32 {
@@ -206,18 +207,21 @@ void TextbookWalk::advance(std::uint64_t walks) {
   with_medium(case_, [&](const auto& medium) {
     if (generator_ == TextbookGenerator::engine) {
       EngineNumbers rng{seed_};
-      return loop(medium, rng, walks);
+      return loop<true>(medium, rng, walks);
     }
     Pcg32 rng{state_, increment_};
-    loop(medium, rng, walks);
+    if (case_.weighted_events == kWeightedEvents)
+      loop<true>(medium, rng, walks);
+    else
+      loop<false>(medium, rng, walks);
     state_ = rng.state;
   });
 }
 
-template <class Medium, class Generator>
+template <bool kUsual, class Medium, class Generator>
 void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walks) {
   const double depth = case_.depth, albedo = case_.albedo;
-  const int weighted = case_.weighted_events;
+  const int weighted = kUsual ? kWeightedEvents : case_.weighted_events;
   const double cells_per_sr = kMuCells * kPhiCells / kPi;
   const std::size_t points = points_.size();
   std::vector<double> f(points);  // of the walk at hand
@@ -239,7 +243,7 @@ void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walk
                 points_[j].z;
       if (events <= weighted) {
         weight *= albedo;
-        if (weight < kNothing) {
+        if (!kUsual && weight < kNothing) {
           weight = 0;
           break;
         }

@@ -64,7 +64,8 @@ class TextbookWalk {
   [[nodiscard]] const TextbookResult& result() const { return result_; }
 
  private:
-  template <class Medium, class Generator>
+  // kUsual: by the number of weighted events that a case has if nothing is said.
+  template <bool kUsual, class Medium, class Generator>
   void loop(const Medium& medium, Generator& rng, std::uint64_t walks);
 
   TextbookCase case_;
