@@ -180,6 +180,8 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
                                              : std::numeric_limits<Scalar>::infinity();
   walk.black = brightest == 0;
   const double collides = -std::expm1(-tau);
+  constexpr double kAtOnce = 0.999;
+  walk.collides_at_once = collides > kAtOnce;
   if (collides <= kForcedChance && !walk.substrate) {
     chance = collides;
     walk.forced_chance = static_cast<Scalar>(collides);

@@ -30,6 +30,7 @@ struct WalkSetting {
   bool grey = true;      ///< all channels are the same
   bool upright = false;  ///< all matrices are UprightSggxMatrix's
   Scalar wi[3] = {};
+  bool collides_at_once = false;  ///< as good as every walk meets something
   /// Above 0: every walk collides; this is the chance that it would.
   Scalar forced_chance = 0;
   /// Walks without weights: 1 / -log(albedo), infinity at albedo 1. From the fourth event on a walk

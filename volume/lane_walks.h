@@ -54,6 +54,7 @@ struct LanePool {
     from = 0;
     to = left;
     const LaneNumbers blocks(t);
+    const Words ramp(hn::Mul(Words::iota().v, Words(t.index_stride).v));
     while (to < kSize && batch < t.batch_count) {
       const LaneBatch& here = t.batches[batch];
       const std::uint32_t rest = here.walks - made;
@@ -63,23 +64,32 @@ struct LanePool {
       }
       const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
       LaneState<Floats, C> w;
-      const Words place = Words(made) + Words::iota();
-      w.index = Words(here.index_low) + Words(hn::Mul(place.v, Words(t.index_stride).v));
+      w.index = Words(here.index_low + made * t.index_stride) + ramp;
       w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
       const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n));
       const int found = count(hits);
       uncollided += static_cast<std::uint64_t>(n - found);
-      for (int k = 0; k < 4; ++k) store_compressed(w.numbers.s[k], hits, numbers[k] + to);
-      if constexpr (kIndex) store_compressed(w.index, hits, index + to);
-      store_compressed(w.death, hits, death + to);
-      if constexpr (kLayer) store_compressed(w.layer, hits, layer + to);
-      store_compressed(w.y, hits, y + to);
+      if (t.walk.collides_at_once &&
+          found == kLanes)  // else the branch would cost more than it saves
+        keep(w, [](const auto& lanes, auto* at) LAMELLA_INLINE_LAMBDA { lanes.store(at); });
+      else
+        keep(w, [&](const auto& lanes, auto* at)
+                    LAMELLA_INLINE_LAMBDA { store_compressed(lanes, hits, at); });
       to += found;
       made += static_cast<std::uint32_t>(n);
     }
   }
 
  private:
+  // Behind those that are there; store(lanes, where).
+  template <class Store>
+  LAMELLA_INLINE void keep(const LaneState<Floats, C>& w, const Store& store) {
+    for (int k = 0; k < 4; ++k) store(w.numbers.s[k], numbers[k] + to);
+    if constexpr (kIndex) store(w.index, index + to);
+    store(w.death, death + to);
+    if constexpr (kLayer) store(w.layer, layer + to);
+    store(w.y, y + to);
+  }
   void end_batch(const LaneWalkTask& t) {
     LaneSums& sums = *t.batches[batch].sums;
     const int straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
@@ -138,7 +148,7 @@ struct EndedWalks {
         of.end = select(gone & halves, Words(static_cast<std::uint32_t>(WalkEnd::thinned)), of.end);
       }
       const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
-      at.store(place_of + k);
+      if (!cells || weighs || thins) at.store(place_of + k);
       if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
       if (!cells) continue;
       targets_of(t, k, of, Words(nowhere) + at).store(target_of + k);
