@@ -37,7 +37,9 @@ ProjectedLobes single_scattering(const Stack& stack, Direction wi, const CellGri
 // Walks cut after one event: single scattering is then the truth in order 1 and in all.
 struct Setting {
   Setting(Stack s, double theta)
-      : stack(std::move(s)), plan(make_plan(stack, {.max_order = 1})), wi(direction_from_degrees(theta, 20)) {
+      : stack(std::move(s)),
+        plan(make_plan(stack, {.max_order = 1})),
+        wi(direction_from_degrees(theta, 20)) {
     CellGrid grid = kGrid;
     grid.folded = plan.folded;
     for (const bool reflected : {true, false})

@@ -17,8 +17,8 @@ constexpr double kLevel = 1e-3;
 
 FurnaceRun judged(const Stack& stack, Estimator estimator, std::uint64_t walks, bool white,
                   std::uint64_t seed = 1, std::uint64_t max_order = 1000, double level = kLevel) {
-  Simulation simulation(stack, make_plan(stack, {.max_order = max_order}), direction_from_degrees(60, 0),
-                        estimator, kFurnaceGrid, seed);
+  Simulation simulation(stack, make_plan(stack, {.max_order = max_order}),
+                        direction_from_degrees(60, 0), estimator, kFurnaceGrid, seed);
   simulation.advance(walks);
   return judge_furnace(reduce(simulation), &simulation, white, level);
 }
