@@ -179,6 +179,10 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
   walk.orders_per_absorption = brightest < 1 ? static_cast<Scalar>(-1 / std::log(brightest))
                                              : std::numeric_limits<Scalar>::infinity();
   walk.black = brightest == 0;
+  walk.ends_absorb =
+      common_albedo && !walk.black && !plan.thinning.is_on() &&
+      kLargestExponential * static_cast<double>(walk.orders_per_absorption) + kRouletteOrder + 1 <
+          static_cast<double>(plan.max_order);
   const double collides = -std::expm1(-tau);
   constexpr double kAtOnce = 0.999;
   walk.collides_at_once = collides > kAtOnce;

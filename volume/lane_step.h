@@ -37,6 +37,8 @@ struct WalkSetting {
   /// survives with the albedo.
   Scalar orders_per_absorption = 0;
   bool black = false;  ///< the first event ends a walk
+  /// Walks without weights: what an event ends is absorbed, at the fourth event or later.
+  bool ends_absorb = false;
   Scalar substrate_albedo[3] = {};
   std::uint32_t max_order = 0;
   std::uint32_t thinned_from = 0;  ///< Thinning::first

@@ -3,242 +3,10 @@
 // Many walks on lanes: a lane takes the next walk as soon as its own has ended. Only for sources of
 // lamella_lanes().
 
-#include "phase/lane_math.h"
-#include "phase/lane_random.h"
-#include "volume/lane_walk.h"
+#include "volume/ended_walks.h"
+#include "volume/lane_pool.h"
 
 namespace lamella::LAMELLA_ISA {
-
-inline constexpr int kLanes = Floats::kCount;
-/// Sets of lanes that know nothing of each other and step together: while one waits for its
-/// numbers, those of the others are computed.
-inline constexpr int kSets = 4;
-
-/// Blocks of random words of walks whose indices share their upper half.
-struct LaneNumbers {
-  std::uint32_t key0, key1;
-  Words index_high;
-  LAMELLA_INLINE explicit LaneNumbers(const LaneWalkTask& t)
-      : key0(static_cast<std::uint32_t>(t.walk.seed)),
-        key1(static_cast<std::uint32_t>(t.walk.seed >> 32)),
-        index_high(t.index_high) {}
-  LAMELLA_INLINE WordBlock operator()(Words position, std::uint32_t stream, Words index) const {
-    return philox(position, Words(stream), index, index_high, key0, key1);
-  }
-};
-
-/// Walks that are about to have their first collision, made many at once, for lanes that fall free.
-template <int C, class Set, class Score>
-struct LanePool {
-  static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
-  static constexpr bool kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
-  int from = 0, to = 0;
-  std::uint32_t batch = 0, made = 0;  // of its walks so many have begun
-  std::uint64_t uncollided = 0;       // among them
-  alignas(64) std::uint32_t numbers[4][kRoom];
-  alignas(64) std::uint32_t index[kRoom];
-  alignas(64) std::uint32_t death[kRoom];
-  alignas(64) std::uint32_t layer[kRoom];
-  alignas(64) float y[kRoom];
-
-  // Fills up to kSize, until the walks of the task are used up.
-  [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
-    const int left = to - from;
-    for (int k = 0; k < left; k += kLanes) {
-      for (auto& word : numbers) Words::load(word + from + k).store(word + k);
-      if constexpr (kIndex) Words::load(index + from + k).store(index + k);
-      Words::load(death + from + k).store(death + k);
-      if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
-      Floats::load(y + from + k).store(y + k);
-    }
-    from = 0;
-    to = left;
-    const LaneNumbers blocks(t);
-    const Words ramp(hn::Mul(Words::iota().v, Words(t.index_stride).v));
-    while (to < kSize && batch < t.batch_count) {
-      const LaneBatch& here = t.batches[batch];
-      const std::uint32_t rest = here.walks - made;
-      if (rest == 0) {
-        end_batch(t);
-        continue;
-      }
-      const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
-      LaneState<Floats, C> w;
-      w.index = Words(here.index_low + made * t.index_stride) + ramp;
-      w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
-      const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n));
-      const int found = count(hits);
-      uncollided += static_cast<std::uint64_t>(n - found);
-      if (t.walk.collides_at_once &&
-          found == kLanes)  // else the branch would cost more than it saves
-        keep(w, [](const auto& lanes, auto* at) LAMELLA_INLINE_LAMBDA { lanes.store(at); });
-      else
-        keep(w, [&](const auto& lanes, auto* at)
-                    LAMELLA_INLINE_LAMBDA { store_compressed(lanes, hits, at); });
-      to += found;
-      made += static_cast<std::uint32_t>(n);
-    }
-  }
-
- private:
-  // Behind those that are there; store(lanes, where).
-  template <class Store>
-  LAMELLA_INLINE void keep(const LaneState<Floats, C>& w, const Store& store) {
-    for (int k = 0; k < 4; ++k) store(w.numbers.s[k], numbers[k] + to);
-    if constexpr (kIndex) store(w.index, index + to);
-    store(w.death, death + to);
-    if constexpr (kLayer) store(w.layer, layer + to);
-    store(w.y, y + to);
-  }
-  void end_batch(const LaneWalkTask& t) {
-    LaneSums& sums = *t.batches[batch].sums;
-    const int straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
-    constexpr int kOrders = static_cast<int>(kRouletteOrder + 1);
-    sums.ends[straight * kOrders] += uncollided;
-    for (int c = 0; t.weighs() && c < t.channels; ++c)
-      sums.weights[(c * kWalkEnds + straight) * kOrders] +=
-          static_cast<std::int64_t>(uncollided << 32);
-    ++batch;
-    made = 0;
-    uncollided = 0;
-  }
-};
-
-/// Walks that ended, until there are enough of them to count them at a stretch. kIndex: each in the
-/// sums of the batch that its index tells.
-template <int C, bool kIndex>
-struct EndedWalks {
-  static constexpr int kSize = 512, kRoom = kSize + (kSets + 1) * kLanes;
-  static constexpr int kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
-  // Events, and as last bits whether one ended the walk and, of walks with weights, whether that
-  // was by thinning or the one too many.
-  static constexpr int kBits = C > 0 ? 2 : 1;
-  int size = 0;
-  alignas(64) std::uint32_t events[kRoom];
-  alignas(64) std::uint32_t index[kRoom];
-  alignas(64) float x[kRoom];  // w_i of the last flight
-  alignas(64) float y[kRoom];
-  alignas(64) float z[kRoom];
-  alignas(64) float weight[C > 0 ? C : 1][kRoom];
-  bool finite = true;
-  // Per lane, so that no counter waits for itself.
-  std::uint32_t counted[kPlaces][kLanes] = {};
-
-  [[gnu::noinline]] void count_all(const LaneWalkTask& t) {
-    const bool thins = t.walk.thinned_from > 0;
-    const bool cells = t.estimate == LaneEstimate::cells_counted;
-    const bool weighs = t.weighs();
-    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
-    Floats spoiled(0);  // or not a number
-    // What is a vector's work, then what is not, so that nothing waits in between.
-    for (int k = 0; k < size; k += kLanes) {
-      const Words met = Words::load(events + k);
-      const auto bit = [&](std::uint32_t value)
-                           LAMELLA_INLINE_LAMBDA { return !equal(met & Words(value), Words(0u)); };
-      LaneEnd<Words> of(shift_right<kBits>(met), bit(1),
-                        to_word_mask(Floats::load(z + k) > Floats(0)), t.walk.max_order);
-      if (thins) {
-        const Words spared = spared_of(t.walk.thinned_from, of.order);
-        spared.store(spared_of_walk + k);
-        // Without weights: thinned or absorbed, at an event that does both.
-        WordMask halves = bit(2);
-        if constexpr (C == 0)
-          halves = !equal(spared, spared_of(t.walk.thinned_from, of.order - Words(1u)));
-        const WordMask gone = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
-        of.end = select(gone & halves, Words(static_cast<std::uint32_t>(WalkEnd::thinned)), of.end);
-      }
-      const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
-      if (!cells || weighs || thins) at.store(place_of + k);
-      if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
-      if (!cells) continue;
-      targets_of(t, k, of, Words(nowhere) + at).store(target_of + k);
-      const Floats flat = Floats::load(x + k) + Floats::load(y + k);
-      const int n = size - k < kLanes ? size - k : kLanes;
-      spoiled = spoiled + select(first_lanes<float>(n), flat * Floats(0), Floats(0));
-    }
-    finite = finite && !any(!equal(spoiled, Floats(0)));
-    if (kIndex && t.batch_count > 1) {
-      count(t, [&](int j) LAMELLA_INLINE_LAMBDA -> LaneSums& {
-        return *t.batches[t.batch_of(index[j])].sums;
-      });
-    } else {
-      LaneSums& sums = *t.batches[0].sums;
-      count(t, [&](int) LAMELLA_INLINE_LAMBDA -> LaneSums& { return sums; });
-    }
-    size = 0;
-  }
-
-  void add_counts(LaneSums& sums) const {
-    for (int place = 0; place < kPlaces; ++place)
-      for (const std::uint32_t n : counted[place]) sums.ends[place] += n;
-  }
-
- private:
-  alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom],
-      spared_of_walk[kRoom];
-
-  // sums_of(j): the sums that ended walk j counts in.
-  template <class SumsOf>
-  LAMELLA_INLINE void count(const LaneWalkTask& t, const SumsOf& sums_of) {
-    const bool thins = t.walk.thinned_from > 0;
-    const bool cells = t.estimate == LaneEstimate::cells_counted;
-    const bool weighs = t.weighs();
-    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
-    // A walk in a cell is counted nowhere else.
-    if (thins)
-      for (int j = 0; j < size; ++j) {
-        LaneSums& sums = sums_of(j);
-        const auto walks = std::uint32_t{1} << spared_of_walk[j];
-        if (cells && !weighs)
-          sums.cells[target_of[j]] += walks;
-        else
-          sums.ends[place_of[j]] += walks;
-      }
-    else if (cells && !weighs)
-      for (int j = 0; j < size; ++j) ++sums_of(j).cells[target_of[j]];
-    else
-      for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
-    for (int channel = 0; weighs && channel < t.channels; ++channel) {
-      const int first_cell = channel * nowhere;
-      for (int j = 0; j < size; ++j) {
-        LaneSums& sums = sums_of(j);
-        std::int64_t w =
-            C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][j] * 0x1p32f)
-                  : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
-                                 order_of[j]];
-        if (thins) w <<= spared_of_walk[j];
-        sums.weights[channel * kPlaces + static_cast<int>(place_of[j])] += w;
-        if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
-          sums.cells[first_cell + static_cast<int>(target_of[j])] += w;
-      }
-    }
-  }
-
-  // [slot][target], or `elsewhere`.
-  LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, const LaneEnd<Words>& of,
-                                  Words elsewhere) const {
-    const Floats wz = Floats::load(z + k);
-    // w_o = -w_i: half a turn further than w_i.
-    Floats turns =
-        turns_of(Floats::load(y + k), Floats::load(x + k)) + Floats(0.5f - t.cells.azimuth_turns);
-    turns = turns - floor(turns);
-    if (t.cells.folded) turns = min(turns, Floats(1) - turns);
-    const Floats row =
-        min(nonnegative((Floats(1) - wz * wz) * Floats(t.cells.rows)), Floats(t.cells.rows - 0.5f));
-    const Floats column = min(turns * Floats(t.cells.phi_cells), Floats(t.cells.columns - 0.5f));
-    const WordMask down = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
-    const WordMask left =
-        (of.order > Words(0u)) &
-        (of.end <
-         Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed : WalkEnd::down)));
-    const int cells = t.cells.rows * t.cells.columns;
-    const Words below = select(down, Words(cells), Words(0u));
-    const Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
-    const Words target = to_words(row) * Words(t.cells.columns) + to_words(column) + below +
-                         slot * Words(t.cells.both_sides ? 2 * cells : cells);
-    return select(left, target, elsewhere);
-  }
-};
 
 /// A set of lanes.
 template <int C>
@@ -303,8 +71,9 @@ template <int C, class Set, class Score>
   Ended ended;
   std::uint64_t steps = 0, carried = 0, events_met = 0, reflected = 0;
   // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
-  // event wrong with z, and at the last one count_all sees it. Depths follow: they are never 0
-  // times infinity, as 1 / sigma and lengths of flights are finite.
+  // event wrong with z, and at the last one count_all sees it, unless the walk was absorbed by it
+  // and went nowhere. Depths follow: they are never 0 times infinity, as 1 / sigma and lengths of
+  // flights are finite.
   Floats poison(0);
   using Walks = LaneWalks<C>;
   Walks all[kSets];
@@ -338,26 +107,32 @@ template <int C, class Set, class Score>
     w.wi = select(take, incident, w.wi);
   };
 
+  // What roulette ended is then all alike, and no one looks at it: it is the rest.
+  const bool absorbs = C == 0 && t.walk.ends_absorb && t.batch_count == 1;
+  const FloatMask tells_gone = first_lanes<float>(absorbs ? 0 : kLanes);
+
   const auto count_ends = [&](Walks& walks, const LaneEnds<Floats>& now, FloatMask active,
                               auto full) LAMELLA_INLINE_LAMBDA {
     LaneState<Floats, C>& w = walks.state;
     poison = multiply_add(w.wi.z, Floats(0), poison);
+    FloatMask tells = now.ends;
+    if constexpr (C == 0) tells = now.ends & (now.lives | tells_gone);
     Words events = shift_left<Ended::kBits>(w.order);
     events = select(to_word_mask(now.gone), events | Words(1u), events);
     if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
-    store_compressed(events, now.ends, ended.events + ended.size);
+    const int at = ended.size;
+    store_compressed(events, tells, ended.events + at);
     if constexpr (Score::kUsesIndex)
-      if (t.batch_count > 1) store_compressed(w.index, now.ends, ended.index + ended.size);
-    store_compressed(w.wi.z, now.ends, ended.z + ended.size);
+      if (t.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
+    store_compressed(w.wi.z, tells, ended.z + at);
     if (t.estimate == LaneEstimate::cells_counted) {
-      store_compressed(w.wi.x, now.ends, ended.x + ended.size);
-      store_compressed(w.wi.y, now.ends, ended.y + ended.size);
+      store_compressed(w.wi.x, tells, ended.x + at);
+      store_compressed(w.wi.y, tells, ended.y + at);
     }
     if constexpr (C > 0)
-      for (int c = 0; c < C; ++c)
-        store_compressed(w.weight[c], now.ends, ended.weight[c] + ended.size);
+      for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
     const int fallen = count(now.ends);
-    ended.size += fallen;
+    ended.size += C == 0 ? count(tells) : fallen;
     if constexpr (full) {
       walks.free = now.ends;
       walks.free_count = fallen;
@@ -458,6 +233,8 @@ template <int C, class Set, class Score>
   ended.count_all(t);
   LaneSums& sums = *t.batches[0].sums;
   ended.add_counts(sums);
+  if (absorbs)
+    sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
   score.finish();
   sums.lane_steps += steps * static_cast<std::uint64_t>(kLanes);
   sums.busy_lane_steps += carried;
