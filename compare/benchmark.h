@@ -90,6 +90,10 @@ void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const R
 /// and never, one thread.
 void measure_roulette(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// What thinning long walks does to time x variance, of cells and of energies, where walks are short
+/// and long: the ground for where the plan begins to, one thread.
+void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// What weighing the analog and the next-event estimator against each other in every cell could
 /// save at best, one thread.
 void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,

@@ -12,10 +12,11 @@
 namespace lamella {
 namespace {
 
-// Seconds times variance of each cell, by order and of all orders, and the cell's f.
+using ByOrder = std::array<double, kTallyOrders + 1>;  // and of all orders
+
+// f of each cell and seconds times its variance.
 struct CellCosts {
-  std::vector<std::array<double, kTallyOrders + 1>> cost;
-  std::vector<double> f;
+  std::vector<ByOrder> f, cost;
 };
 
 CellCosts measure(const Stack& stack, Estimator estimator, const BenchmarkEffort& effort,
@@ -30,16 +31,32 @@ CellCosts measure(const Stack& stack, Estimator estimator, const BenchmarkEffort
   CellCosts found;
   for (const SideResult* side : {&run.reflected, &run.transmitted})
     for (std::size_t k = 0; k < side->lobes[0].value.size(); ++k) {
-      std::array<double, kTallyOrders + 1> cost{};
+      ByOrder f, cost;
       for (int o = 0; o <= kTallyOrders; ++o) {
         const double error = side->lobes[o].standard_error[k];
-        // What no walk has met yet costs more than what was found.
-        cost[o] = error > 0 ? taken * error * error : std::numeric_limits<double>::infinity();
+        f[o] = side->lobes[o].value[k];
+        cost[o] = taken * error * error;
       }
+      found.f.push_back(f);
       found.cost.push_back(cost);
-      found.f.push_back(side->lobes[kTallyOrders].value[k]);
     }
   return found;
+}
+
+// Where counted walks met nothing of an order their variance is that of counting: f times what it
+// is per f where they met something. f is what next-event estimation found.
+void complete(CellCosts& counted, const CellCosts& next_event) {
+  for (int o = 0; o <= kTallyOrders; ++o) {
+    double cost = 0, f = 0;
+    for (std::size_t k = 0; k < counted.f.size(); ++k) {
+      cost += counted.cost[k][o];
+      f += next_event.f[k][o];
+    }
+    for (std::size_t k = 0; k < counted.f.size(); ++k)
+      if (counted.f[k][o] <= 0 && next_event.f[k][o] > 0)
+        counted.cost[k][o] =
+            cost > 0 ? cost / f * next_event.f[k][o] : std::numeric_limits<double>::infinity();
+  }
 }
 
 // Mean square of the cells' relative errors after one second, `share` of which the first has: every
@@ -48,21 +65,23 @@ double mean_square(const CellCosts& a, const CellCosts& b, double share, bool by
   double sum = 0;
   std::size_t lit = 0;
   for (std::size_t k = 0; k < a.f.size(); ++k) {
-    if (b.f[k] <= 0) continue;
+    const double f = b.f[k][kTallyOrders];
+    if (f <= 0) continue;
     double variance = 0;
     for (int o = by_order ? 0 : kTallyOrders; o < (by_order ? kTallyOrders : kTallyOrders + 1);
          ++o) {
-      const double known = share / a.cost[k][o] + (1 - share) / b.cost[k][o];
-      if (known > 0) variance += 1 / known;
+      if (b.f[k][o] <= 0) continue;  // there is none
+      variance += 1 / (share / a.cost[k][o] + (1 - share) / b.cost[k][o]);
     }
-    sum += variance / (b.f[k] * b.f[k]);
+    sum += variance / (f * f);
     ++lit;
   }
   return lit > 0 ? sum / static_cast<double>(lit) : 0;
 }
 
-void report_combination(const std::string& name, const CellCosts& analog,
-                        const CellCosts& next_event, const ReportRow& report) {
+void report_combination(const std::string& name, CellCosts analog, const CellCosts& next_event,
+                        const ReportRow& report) {
+  complete(analog, next_event);
   for (const bool by_order : {false, true}) {
     const double single = std::min(mean_square(analog, next_event, 1, by_order),
                                    mean_square(analog, next_event, 0, by_order));

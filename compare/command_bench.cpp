@@ -38,6 +38,8 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("exponent"))
     note += fmt::format("{}exponent {:.2f}", note.empty() ? "" : ", ",
                         row.extra["exponent"].get<double>());
+  if (row.extra.contains("longest_walk"))
+    note += fmt::format("; longest walks {:.3g} events", row.extra["longest_walk"].get<double>());
   if (row.extra.contains("reached") && !row.extra["reached"].get<bool>()) note += ", not reached";
   if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
     note += note.empty() ? "extrapolated" : ", extrapolated";
@@ -66,6 +68,7 @@ const std::vector<BenchPart>& parts() {
                                            {"threads", measure_threads},
                                            {"accuracy", measure_accuracy},
                                            {"roulette", measure_roulette},
+                                           {"thinning", measure_thinning},
                                            {"combined", measure_combination},
                                            {"growth", measure_growth_of_walks},
                                            {"solver", measure_deterministic},

@@ -122,7 +122,7 @@ double largest_inverse_mu(const CellGrid& grid) {
   return kLargestInverseMu * std::sqrt(grid.rows());
 }
 
-// What is rounded to 2^-26 is rounded to 1e-6 of f still.
+// Terms rounded to 2^-26 move f by less than 1e-6 still: a test holds it.
 bool is_too_narrow(const Plan& plan, int bits) { return bits > (plan.thinning.is_on() ? 6 : 0); }
 
 }  // namespace

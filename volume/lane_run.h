@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tbb/cache_aligned_allocator.h>
+
 #include <optional>
 #include <span>
 #include <string>
@@ -52,10 +54,15 @@ class LaneRun {
   [[nodiscard]] LaneUse use() const;
 
  private:
+  /// What lanes load and store: no vector of theirs straddles two cache lines.
+  template <class T>
+  using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
+
   struct Counts {
     std::vector<std::uint64_t> ends;
-    std::vector<std::int64_t> weights, cells, targets;
-    std::vector<float> scratch;
+    std::vector<std::int64_t> weights, cells;
+    Aligned<std::int64_t> targets;
+    Aligned<float> scratch;
     std::uint64_t lane_steps = 0, busy = 0, events = 0, reflections = 0;
     [[nodiscard]] LaneSums sums() {
       return {.ends = ends.data(),
@@ -82,8 +89,9 @@ class LaneRun {
   Direction incident_;
   CellTargets cells_;
   std::vector<double> inverse_mu_;  // per point
-  std::vector<float> point_x_, point_y_, point_z_, rate_, beyond_, rate_by_point_, beyond_by_point_;
-  std::vector<float> column_cos_, column_sin_, event_weight_;
+  Aligned<float> point_x_, point_y_, point_z_, rate_, beyond_, rate_by_point_, beyond_by_point_;
+  Aligned<float> column_cos_, column_sin_;
+  std::vector<float> event_weight_;
   std::vector<std::int64_t> end_weight_;
   std::vector<Counts> counts_;
 };

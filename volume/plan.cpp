@@ -239,7 +239,8 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                      "end, and the others count double",
                      plan.thinning.first),
          fmt::format("the longest walks have {:.2g} events, most of the time for little "
-                     "of the light; the mean stays",
+                     "of the light; the mean stays, "
+                     "energies come with larger errors for the same time (--thin-from 0)",
                      longest_walk(stack, plan))});
   explain_lanes(stack, plan, notes);
   return notes;
