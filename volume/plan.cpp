@@ -240,7 +240,7 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                      plan.thinning.first),
          fmt::format("the longest walks have {:.2g} events, most of the time for little "
                      "of the light; the mean stays, "
-                     "energies come with larger errors for the same time (--thin-from 0)",
+                     "energies of all orders have larger errors for it (--thin-from 0)",
                      longest_walk(stack, plan))});
   explain_lanes(stack, plan, notes);
   return notes;
