@@ -8,6 +8,9 @@
 #include <limits>
 #include <numeric>
 
+#include "phase/builtin_stacks.h"
+#include "phase/stack_file.h"
+
 namespace lamella {
 
 using Json = nlohmann::ordered_json;
@@ -87,6 +90,23 @@ const std::vector<BenchmarkStack>& benchmark_stacks() {
       {"hg_slab", {TextbookMedium::henyey_greenstein, 0.7, 4, 0.9}},
   };
   return list;
+}
+
+std::vector<BenchmarkStack> benchmark_media() {
+  std::vector<BenchmarkStack> list = benchmark_stacks();
+  list.push_back({"sggx_lambert",
+                  {TextbookMedium::sggx_lambert, 0.5, 2, 0.9},
+                  "[[layer]]\nmedium = \"sggx\"\nroughness = 0.5\nflake = \"lambert\"\n"
+                  "thickness = 2\nalbedo = 0.9\n"});
+  list.push_back({"vmf_mirror",
+                  {TextbookMedium::vmf_mirror, 0.5, 2, 0.9},
+                  "[[layer]]\nmedium = \"vmf_flake\"\nroughness = 0.5\nflake = \"mirror\"\n"
+                  "thickness = 2\nalbedo = 0.9\n"});
+  return list;
+}
+
+Stack BenchmarkStack::stack() const {
+  return toml.empty() ? load_stack(name) : parse_stack(toml, name, name);
 }
 
 Direction benchmark_incident() { return direction_from_degrees(60, 0); }

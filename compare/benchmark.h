@@ -67,8 +67,13 @@ struct InterleavedTimes {
 struct BenchmarkStack {
   std::string name;
   TextbookCase textbook;
+  std::string toml{};  ///< empty: a built-in stack
+  [[nodiscard]] Stack stack() const;
 };
+/// Built-in stacks, one of each distribution.
 [[nodiscard]] const std::vector<BenchmarkStack>& benchmark_stacks();
+/// And one of every other medium that walks on lanes.
+[[nodiscard]] std::vector<BenchmarkStack> benchmark_media();
 
 /// The incident direction of all walk rows: theta_i = 60 degrees.
 [[nodiscard]] Direction benchmark_incident();
@@ -90,8 +95,8 @@ void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const R
 /// and never, one thread.
 void measure_roulette(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
-/// What thinning long walks does to time x variance, of cells and of energies, where walks are short
-/// and long: the ground for where the plan begins to, one thread.
+/// What thinning long walks does to time x variance, of cells and of energies, where walks are
+/// short and long: the ground for where the plan begins to, one thread.
 void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// What weighing the analog and the next-event estimator against each other in every cell could

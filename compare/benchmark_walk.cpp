@@ -82,7 +82,7 @@ double core_frequency() {
 
 void measure_walk(const BenchmarkStack& which, const Task& task, const BenchmarkEffort& effort,
                   std::uint64_t seed, const ReportRow& report) {
-  const Stack stack = load_stack(which.name);
+  const Stack stack = which.stack();
   Plan plan = make_plan(stack, kLimits);
   plan.isa = effort.isa;
   const Direction wi = benchmark_incident();
@@ -129,7 +129,7 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
 
 void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
   tbb::task_arena one(1);
-  for (const BenchmarkStack& stack : benchmark_stacks())
+  for (const BenchmarkStack& stack : benchmark_media())
     for (const Task& task : kTasks)
       one.execute([&] { measure_walk(stack, task, effort, seed, report); });
 }

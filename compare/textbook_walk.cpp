@@ -58,13 +58,25 @@ Direction around(Direction axis, double cosine, double u) {
   return from_frame(axis, sine * std::cos(phi), sine * std::sin(phi), cosine);
 }
 
+Direction mirrored_at(Direction m, Direction wi) { return normalized(2 * dot(wi, m) * m - wi); }
+
+// Lambert's law about n.
+Direction cosine_law(Direction n, auto& rng) {
+  const double r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
+  return normalized(
+      from_frame(n, r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0, 1 - r * r))));
+}
+double cosine_law_density(Direction n, Direction wo) { return std::max(0.0, dot(n, wo)) / kPi; }
+
 // A medium: sigma of the free flight (a majorant for null collisions), `hit` (whether a collision
-// is real; prepares the event), the event's density and its sample.
+// is real; prepares the event), `aim` (what densities need besides), the event's density and its
+// sample.
 struct LambertSpheres {
   struct Event {};
   static double majorant(Direction) { return 1; }
   static double out_sigma(Direction) { return 1; }
   static bool hit(Direction, Event&, auto&) { return true; }
+  static void aim(Direction, Event&) {}
   static double density(Direction wi, const Event&, Direction wo) {
     const double cosine = std::clamp(-dot(wi, wo), -1.0, 1.0);
     const double theta = std::acos(cosine);
@@ -85,6 +97,7 @@ struct HenyeyGreensteins {
   static double majorant(Direction) { return 1; }
   static double out_sigma(Direction) { return 1; }
   static bool hit(Direction, Event&, auto&) { return true; }
+  static void aim(Direction, Event&) {}
   double density(Direction wi, const Event&, Direction wo) const {
     const double base = 1 + g * g + 2 * g * dot(wi, wo);
     return (1 - g * g) / (4 * kPi * base * std::sqrt(base));
@@ -96,22 +109,15 @@ struct HenyeyGreensteins {
 };
 
 // Surface-like S = diag(alpha^2, alpha^2, 1).
-struct SggxMirrors {
+struct SggxFlakes {
   double xx, yy, zz;
 
-  struct Event {};
   double out_sigma(Direction w) const {
     return std::sqrt(xx * w.x * w.x + yy * w.y * w.y + zz * w.z * w.z);
   }
   double majorant(Direction w) const { return out_sigma(w); }
-  static bool hit(Direction, Event&, auto&) { return true; }
-  double density(Direction wi, const Event&, Direction wo) const {
-    const Direction m = normalized(wi + wo);
-    const double q = m.x * m.x / xx + m.y * m.y / yy + m.z * m.z / zz;
-    return 1 / (kPi * std::sqrt(xx * yy * zz) * q * q) / (4 * out_sigma(wi));
-  }
   // Heitz et al. 2015, the listing of its supplement for a general S.
-  Direction sample(Direction wi, const Event&, auto& rng) const {
+  Direction visible_normal(Direction wi, auto& rng) const {
     const double r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
     const double u = r * std::cos(phi), v = r * std::sin(phi);
     const double w = std::sqrt(std::max(0.0, 1 - u * u - v * v));
@@ -128,19 +134,50 @@ struct SggxMirrors {
         u * determinant / area - v * inverse * (ki * ji - kj * ii) / area + w * inverse * ki,
         v * inverse * area + w * inverse * ji, w * inverse * ii};
     const Direction n = normalized(local);
-    const Direction m = normalized(n.x * k + n.y * j + n.z * wi);
-    return normalized(2 * dot(wi, m) * m - wi);
+    return normalized(n.x * k + n.y * j + n.z * wi);
   }
 };
 
-struct VmfLambertians {
+struct SggxMirrors : SggxFlakes {
+  struct Event {};
+  static bool hit(Direction, Event&, auto&) { return true; }
+  static void aim(Direction, Event&) {}
+  double density(Direction wi, const Event&, Direction wo) const {
+    const Direction m = normalized(wi + wo);
+    const double q = m.x * m.x / xx + m.y * m.y / yy + m.z * m.z / zz;
+    return 1 / (kPi * std::sqrt(xx * yy * zz) * q * q) / (4 * out_sigma(wi));
+  }
+  Direction sample(Direction wi, const Event&, auto& rng) const {
+    return mirrored_at(visible_normal(wi, rng), wi);
+  }
+};
+
+struct SggxLambertians : SggxFlakes {
+  struct Event {
+    Direction normal{};
+  };
+  bool hit(Direction wi, Event& event, auto& rng) const {
+    event.normal = visible_normal(wi, rng);
+    return true;
+  }
+  static void aim(Direction, Event&) {}
+  static double density(Direction, const Event& event, Direction wo) {
+    return cosine_law_density(event.normal, wo);
+  }
+  static Direction sample(Direction, const Event& event, auto& rng) {
+    return cosine_law(event.normal, rng);
+  }
+};
+
+struct VmfFlakes {
   double alpha, kappa, tail;
 
-  explicit VmfLambertians(double roughness)
+  explicit VmfFlakes(double roughness)
       : alpha(vmf_alpha(roughness)), kappa(vmf_concentration(alpha)), tail(std::exp(-2 * kappa)) {}
 
   struct Event {
     Direction normal{};
+    double sigma = 0;
   };
   static double majorant(Direction) { return 1; }
   double out_sigma(Direction w) const { return vmf_sigma(w.z, alpha); }  // set up once
@@ -152,13 +189,27 @@ struct VmfLambertians {
     event.normal = {sine * std::cos(phi), sine * std::sin(phi), cosine};
     return rng.uniform() < dot(wi, event.normal);
   }
+};
+
+struct VmfLambertians : VmfFlakes {
+  using VmfFlakes::VmfFlakes;
+  static void aim(Direction, Event&) {}
   static double density(Direction, const Event& event, Direction wo) {
-    return std::max(0.0, dot(event.normal, wo)) / kPi;
+    return cosine_law_density(event.normal, wo);
   }
   static Direction sample(Direction, const Event& event, auto& rng) {
-    const double r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
-    return normalized(from_frame(event.normal, r * std::cos(phi), r * std::sin(phi),
-                                 std::sqrt(std::max(0.0, 1 - r * r))));
+    return cosine_law(event.normal, rng);
+  }
+};
+
+struct VmfMirrors : VmfFlakes {
+  using VmfFlakes::VmfFlakes;
+  void aim(Direction wi, Event& event) const { event.sigma = out_sigma(wi); }
+  double density(Direction wi, const Event& event, Direction wo) const {
+    return vmf_density(kappa, normalized(wi + wo).z) / (4 * event.sigma);
+  }
+  static Direction sample(Direction wi, const Event& event, auto&) {
+    return mirrored_at(event.normal, wi);
   }
 };
 
@@ -167,9 +218,13 @@ auto with_medium(const TextbookCase& what, const F& f) {
   const double p = what.parameter;
   switch (what.medium) {
     case TextbookMedium::sggx_mirror:
-      return f(SggxMirrors{p * p, p * p, 1});
+      return f(SggxMirrors{{p * p, p * p, 1}});
+    case TextbookMedium::sggx_lambert:
+      return f(SggxLambertians{{p * p, p * p, 1}});
     case TextbookMedium::vmf_lambert:
       return f(VmfLambertians(p));
+    case TextbookMedium::vmf_mirror:
+      return f(VmfMirrors(p));
     case TextbookMedium::henyey_greenstein:
       return f(HenyeyGreensteins{p});
     default:
@@ -238,6 +293,7 @@ void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walk
       if (!medium.hit(wi, event, rng)) continue;
       ++collisions;
       ++events;
+      if (points > 0) medium.aim(wi, event);
       for (std::size_t j = 0; j < points; ++j)
         f[j] += weight * albedo * medium.density(wi, event, points_[j]) * std::exp(-y * rate_[j]) /
                 points_[j].z;
@@ -282,7 +338,10 @@ const char* describe(TextbookMedium medium) {
   switch (medium) {
     case TextbookMedium::sggx_mirror:
       return "textbook loop: pcg32, visible normals in a frame (Heitz 2015)";
+    case TextbookMedium::sggx_lambert:
+      return "textbook loop: pcg32, visible normals in a frame (Heitz 2015), cosine law";
     case TextbookMedium::vmf_lambert:
+    case TextbookMedium::vmf_mirror:
       return "textbook loop: pcg32, null collisions";
     case TextbookMedium::henyey_greenstein:
       return "textbook loop: pcg32, inverse cosine, frame";

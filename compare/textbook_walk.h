@@ -17,13 +17,15 @@ namespace lamella {
 enum class TextbookMedium {
   lambert_sphere,     ///< d'Eon 2021, eq. 6, for the deflection; a frame about the direction
   sggx_mirror,        ///< Heitz et al. 2015: visible normals in a frame about w_i, mirrored
+  sggx_lambert,       ///< likewise, cosine law about the normal
   vmf_lambert,        ///< d'Eon and Weidlich 2024: null collisions, normals from D, cosine law
+  vmf_mirror,         ///< likewise, mirrored
   henyey_greenstein,  ///< inverse of the cumulative distribution; a frame about the direction
 };
 
 struct TextbookCase {
   TextbookMedium medium;
-  double parameter;  ///< sggx_mirror: alpha; vmf_lambert: r; henyey_greenstein: g
+  double parameter;  ///< SGGX: alpha; vMF: r; henyey_greenstein: g
   double depth;      ///< thickness times density; infinity for a half space
   double albedo;
   int weighted_events = 3;  ///< from the next one on survival with the albedo as probability

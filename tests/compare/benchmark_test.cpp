@@ -28,8 +28,8 @@ Estimate side(const Simulation& simulation, bool up) {
 
 TEST(Benchmark, TextbookLoopsHaveTheEnginesEnergies) {
   const double limit = testing::normal_quantile(testing::test_level());
-  for (const BenchmarkStack& which : benchmark_stacks()) {
-    const Stack stack = load_stack(which.name);
+  for (const BenchmarkStack& which : benchmark_media()) {
+    const Stack stack = which.stack();
     Simulation simulation(stack, make_plan(stack), benchmark_incident(), {}, 1);
     simulation.advance(kWalks);
     TextbookWalk textbook(which.textbook, benchmark_incident(), TextbookTally::none, {}, 2);
@@ -52,8 +52,8 @@ TEST(Benchmark, TextbookLoopsHaveTheEnginesEnergies) {
 TEST(Benchmark, TextbookLoopsHaveTheEnginesNextEventValues) {
   const double limit = testing::normal_quantile(testing::test_level());
   const std::vector<Direction> points = benchmark_points(4);
-  for (const BenchmarkStack& which : benchmark_stacks()) {
-    const Stack stack = load_stack(which.name);
+  for (const BenchmarkStack& which : benchmark_media()) {
+    const Stack stack = which.stack();
     Simulation simulation(stack, make_plan(stack), benchmark_incident(), points, 1);
     simulation.advance(kWalks);
     TextbookWalk textbook(which.textbook, benchmark_incident(), TextbookTally::points, points, 2);
@@ -74,7 +74,7 @@ TEST(Benchmark, TextbookLoopsHaveTheEnginesNextEventValues) {
 }
 
 TEST(Benchmark, TextbookCellsHoldWhatIsReflected) {
-  for (const BenchmarkStack& which : benchmark_stacks()) {
+  for (const BenchmarkStack& which : benchmark_media()) {
     TextbookWalk textbook(which.textbook, benchmark_incident(), TextbookTally::cells, {}, 2);
     textbook.advance(10000);
     const TextbookResult& r = textbook.result();
@@ -136,7 +136,7 @@ TEST(Benchmark, RowsHaveTheContractsKeysAndNames) {
         << row.what;
     EXPECT_TRUE(names.insert(row.what).second) << row.what << " twice";
   }
-  for (const BenchmarkStack& stack : benchmark_stacks())
+  for (const BenchmarkStack& stack : benchmark_media())
     for (const char* task : {"walk", "walk+cells", "nee1", "nee16", "nee64"})
       EXPECT_TRUE(names.contains(stack.name + "/" + task)) << stack.name << " " << task;
   for (const ModelInfo& info : models()) {
