@@ -39,7 +39,8 @@ struct FixedPoint {
 /// Sums of floats per lane in fixed point, without 64-bit arithmetic: multiples of 2^-6 and what
 /// remains in multiples of 1 / kPointUnits. Terms up to kPointLimit, kMost of them.
 struct FixedPointLanes {
-  static constexpr int kMost = 32;
+  // Of up to 2^25 in `fine`.
+  static constexpr int kMost = 63;
   alignas(64) std::uint32_t coarse[kLanes] = {}, fine[kLanes] = {};  // two's complement
 
   struct Term {
@@ -89,7 +90,9 @@ struct StoredEvents {
 template <int C>
 struct NextEventOnLanes {
   static constexpr bool kUsesIndex = true;
-  static constexpr int kFew = 4;  // up to so many points one after the other, all lanes at once
+  // Up to so many points one after the other, all lanes at once, as measured: in one layer of one
+  // medium, in any stack, and with weights or colour.
+  static constexpr int kFew = 32, kFewInStacks = 12, kFewWeighed = 6;
 
   const LaneWalkTask& t;
   // What few points got from walks without weights and colour, not yet in the sums.
@@ -106,9 +109,12 @@ struct NextEventOnLanes {
                                  const LaneState<Floats, C>& w, FloatMask scatters) const {
     if (t.estimate != LaneEstimate::points && t.estimate != LaneEstimate::cells_next_event) return;
     const FloatMask counts = scatters & to_float_mask(is_below(w.order, Words(t.walk.max_order)));
-    const bool are_few =
-        t.estimate == LaneEstimate::points && t.points.count <= kFew && t.batch_count == 1;
-    if (C == 0 && are_few && t.channels == 1)
+    const bool plain = C == 0 && t.channels == 1;
+    const bool are_few = t.estimate == LaneEstimate::points && t.batch_count == 1 &&
+                         t.points.count <= (!plain       ? kFewWeighed
+                                            : All::value ? kFew
+                                                         : kFewInStacks);
+    if (plain && are_few)
       few(all, medium, event, w, counts);
     else if (!any(counts))
       return;
