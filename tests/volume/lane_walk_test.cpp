@@ -138,7 +138,7 @@ TEST_P(LaneWalk, EnergiesAndCellsAgreeWithTheScalarKernel) {
 
 TEST_P(LaneWalk, PointsAgreeWithTheScalarKernel) {
   for (const std::size_t k : {0, 2, 4, 5, 6, 7, 8}) {
-    for (const int count : {1, 9}) {  // one direction after the other, and many at once
+    for (const int count : {1, 9, 33}) {  // one direction after the other, and many at once
       const auto lanes = on_points(cases()[k], GetParam(), 1, count);
       const auto scalar = on_points(cases()[k], Isa::scalar, 2, count);
       ASSERT_EQ(lanes->isa(), GetParam());
@@ -168,7 +168,7 @@ std::vector<double> all_sums(const Simulation& simulation) {
 
 TEST_P(LaneWalk, IsBitIdenticalForAnyThreadsAndCheckpoints) {
   for (const std::size_t k : {0, 4, 7})
-    for (const int count : {0, 1, 9}) {
+    for (const int count : {0, 1, 9, 33}) {
       const auto sums = [&](int threads, const std::vector<std::uint64_t>& checkpoints) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
         tbb::task_arena arena(threads);
