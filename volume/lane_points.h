@@ -92,7 +92,7 @@ struct NextEventOnLanes {
   static constexpr bool kUsesIndex = true;
   // Up to so many points one after the other, all lanes at once, as measured: in one layer of one
   // medium, in any stack, and with weights or colour.
-  static constexpr int kFew = 32, kFewInStacks = 12, kFewWeighed = 6;
+  static constexpr int kFew = kLanes < 8 ? 12 : 32, kFewInStacks = 12, kFewWeighed = 6;
 
   const LaneWalkTask& t;
   // What few points got from walks without weights and colour, not yet in the sums.
