@@ -95,11 +95,12 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
 
   const auto engine = [&](std::uint64_t n) { simulation->advance(simulation->walks() + n); };
   const std::uint64_t walks = calibrate(effort.repetition_seconds, engine);
-  textbook.advance(walks);  // warms up
+  const std::uint64_t textbook_walks =
+      calibrate(effort.repetition_seconds, [&](std::uint64_t n) { textbook.advance(n); });
   const std::uint64_t engine_before = simulation->collisions();
   const std::uint64_t textbook_before = textbook.result().collisions;
   const InterleavedTimes times = interleave(
-      effort.repetitions, [&] { engine(walks); }, [&] { textbook.advance(walks); });
+      effort.repetitions, [&] { engine(walks); }, [&] { textbook.advance(textbook_walks); });
   const double collisions = static_cast<double>(simulation->collisions() - engine_before);
   const double textbook_collisions =
       static_cast<double>(textbook.result().collisions - textbook_before);

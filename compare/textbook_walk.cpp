@@ -1,6 +1,7 @@
 #include "compare/textbook_walk.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "phase/block_random.h"
@@ -203,8 +204,17 @@ struct VmfLambertians : VmfFlakes {
 };
 
 struct VmfMirrors : VmfFlakes {
-  using VmfFlakes::VmfFlakes;
-  void aim(Direction wi, Event& event) const { event.sigma = out_sigma(wi); }
+  static constexpr int kSteps = 512;
+  std::array<double, kSteps + 1> sigmas;  // at equal steps of the cosine
+
+  explicit VmfMirrors(double roughness) : VmfFlakes(roughness) {
+    for (int k = 0; k <= kSteps; ++k) sigmas[k] = vmf_sigma(2.0 * k / kSteps - 1, alpha);
+  }
+  void aim(Direction wi, Event& event) const {
+    const double at = (wi.z + 1) / 2 * kSteps;
+    const int k = std::clamp(static_cast<int>(at), 0, kSteps - 1);
+    event.sigma = sigmas[k] + (at - k) * (sigmas[k + 1] - sigmas[k]);
+  }
   double density(Direction wi, const Event& event, Direction wo) const {
     return vmf_density(kappa, normalized(wi + wo).z) / (4 * event.sigma);
   }
@@ -341,8 +351,9 @@ const char* describe(TextbookMedium medium) {
     case TextbookMedium::sggx_lambert:
       return "textbook loop: pcg32, visible normals in a frame (Heitz 2015), cosine law";
     case TextbookMedium::vmf_lambert:
-    case TextbookMedium::vmf_mirror:
       return "textbook loop: pcg32, null collisions";
+    case TextbookMedium::vmf_mirror:
+      return "textbook loop: pcg32, null collisions, sigma from a table";
     case TextbookMedium::henyey_greenstein:
       return "textbook loop: pcg32, inverse cosine, frame";
     default:
