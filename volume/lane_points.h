@@ -96,8 +96,8 @@ struct NextEventOnLanes {
 
   const LaneWalkTask& t;
   // What few points got from walks without weights and colour, not yet in the sums.
-  mutable FixedPointLanes few_sums[kFew][kRouletteOrder] = {};
   mutable int few_terms = 0;
+  mutable FixedPointLanes few_sums[kFew][kRouletteOrder] = {};
 
   /// Brings everything to the sums.
   LAMELLA_INLINE void finish() const {
