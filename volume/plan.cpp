@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "volume/density_grid.h"
 #include "volume/grain_walk.h"
@@ -238,10 +239,12 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
          fmt::format("thinned: after {} events and every fourfold of that half of them "
                      "end, and the others count double",
                      plan.thinning.first),
-         fmt::format("the longest walks have {:.2g} events, most of the time for little "
-                     "of the light; the mean stays, "
-                     "energies of all orders have larger errors for it (--thin-from 0)",
-                     longest_walk(stack, plan))});
+         fmt::format("the longest walks have {} events, most of the time for little of the light; "
+                     "the mean stays, energies of all orders have larger errors for it "
+                     "(--thin-from 0)",
+                     std::isfinite(longest_walk(stack, plan))
+                         ? fmt::format("about {:.2g}", longest_walk(stack, plan))
+                         : "any number of")});
   explain_lanes(stack, plan, notes);
   return notes;
 }
