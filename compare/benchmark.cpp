@@ -63,6 +63,14 @@ double seconds_of(const std::function<void()>& f) {
   return now() - start;
 }
 
+double advance_for(Simulation& simulation, double seconds) {
+  double taken = 0;
+  for (std::uint64_t walks = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
+       taken < seconds; walks *= 2)
+    taken += seconds_of([&] { simulation.advance(walks); });
+  return taken;
+}
+
 double wall_seconds_of(const std::function<void()>& f) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();

@@ -49,6 +49,9 @@ struct BenchmarkEffort {
 /// not count.
 [[nodiscard]] double seconds_of(const std::function<void()>& f);
 
+/// Walks at doubling numbers until so many seconds are spent; those that were.
+double advance_for(Simulation& simulation, double seconds);
+
 /// Seconds by the clock on the wall, for what runs in many threads.
 [[nodiscard]] double wall_seconds_of(const std::function<void()>& f);
 

@@ -24,9 +24,7 @@ CellCosts measure(const Stack& stack, Estimator estimator, const BenchmarkEffort
   Plan plan = make_plan(stack);
   plan.isa = effort.isa;
   Simulation simulation(stack, plan, benchmark_incident(), estimator, CellGrid{}, seed);
-  double taken = 0;
-  for (std::uint64_t walks = 16 * kBatches; taken < effort.accuracy_seconds; walks *= 2)
-    taken += seconds_of([&] { simulation.advance(walks); });
+  const double taken = advance_for(simulation, effort.accuracy_seconds);
   const RunResult run = reduce(simulation);
   CellCosts found;
   for (const SideResult* side : {&run.reflected, &run.transmitted})

@@ -47,10 +47,7 @@ struct Growing {
 
   // Seconds to an error of 1 % of the cells, by time x variance.
   [[nodiscard]] double seconds_to_a_percent(Simulation& simulation) const {
-    double taken = 0;
-    for (std::uint64_t walks = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
-         taken < effort.accuracy_seconds; walks *= 2)
-      taken += seconds_of([&] { simulation.advance(walks); });
+    const double taken = advance_for(simulation, effort.accuracy_seconds);
     const double error = noise_of(reduce(simulation).reflected.lobes[kTallyOrders]);
     return taken * error * error * 1e4;
   }

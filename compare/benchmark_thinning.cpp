@@ -18,17 +18,14 @@ Cost measure(const Stack& stack, const Plan& plan, const BenchmarkEffort& effort
              std::uint64_t seed) {
   Simulation simulation(stack, plan, benchmark_incident(), Estimator::analog,
                         CellGrid{16, 32, true}, seed);
-  double taken = 0;
-  for (std::uint64_t walks = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
-       taken < effort.accuracy_seconds; walks *= 2)
-    taken += seconds_of([&] { simulation.advance(walks); });
+  const double taken = advance_for(simulation, effort.accuracy_seconds);
   const RunResult run = reduce(simulation);
   const double cells = noise_of(run.reflected.lobes[kTallyOrders]);
   const double energy = run.reflected.total[0].standard_error;
   return {taken * cells * cells, taken * energy * energy};
 }
 
-Stack white_or_not(const std::string& medium, double absorption, double thickness) {
+Stack single_layer(const std::string& medium, double absorption, double thickness) {
   return parse_stack(fmt::format("[[layer]]\n{}\nalbedo = {}\nthickness = {}\n", medium,
                                  1 - absorption, to_text(thickness)),
                      "thinning", "thinning");
@@ -53,7 +50,7 @@ void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const R
     cases.push_back({"henyey_greenstein 0.8, half space", forward, absorption, kInfinity});
   tbb::task_arena one(1);
   for (const Case& c : cases) {
-    const Stack stack = white_or_not(c.medium, c.absorption, c.thickness);
+    const Stack stack = single_layer(c.medium, c.absorption, c.thickness);
     // As the plan would, if walks were always long enough.
     Plan thinned = make_plan(stack, {.max_order = kThinnedMaxOrder});
     const bool planned = thinned.thinning.is_on();

@@ -90,8 +90,8 @@ struct StoredEvents {
 template <int C>
 struct NextEventOnLanes {
   static constexpr bool kUsesIndex = true;
-  // Up to so many points one after the other, all lanes at once, as measured: in one layer of one
-  // medium, in any stack, and with weights or colour.
+  // Up to so many points one after the other, all lanes at once, about as far as that is faster: in
+  // one layer of one medium, in any stack, and with weights or colour.
   static constexpr int kFew = kLanes < 8 ? 12 : 32, kFewInStacks = 12, kFewWeighed = 6;
 
   const LaneWalkTask& t;

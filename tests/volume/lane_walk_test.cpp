@@ -4,8 +4,10 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "phase/builtin_stacks.h"
 #include "tests/volume/stacks.h"
@@ -355,6 +357,31 @@ TEST(LaneMarginals, TablesInvertTheirDistributions) {
           << kappa << ' ' << t;
     }
   }
+}
+
+TEST(LaneWalk, EveryWalkHasAnEnd) {
+  const Stack stack =
+      stack_from(layer("medium = 'henyey_greenstein'\nalbedo = 0.9\nthickness = 2"));
+  for (const Isa isa : lane_isas())
+    for (const std::uint64_t max_order : {210, 1000}) {  // beyond 216 the absorbed are the rest
+      const LaneSetting<float> setting(stack, plan_for(stack, isa, max_order),
+                                       direction_from_degrees(30, 0), 1);
+      LaneWalkTask task;
+      task.walk = setting.walk;
+      task.one_medium = true;
+      task.index_stride = 1;
+      std::array<std::uint64_t, kWalkEnds*(kRouletteOrder + 1)> ends{};
+      LaneSums sums;
+      sums.ends = ends.data();
+      const LaneBatch batch{0, 5000, &sums};
+      task.batches = &batch;
+      task.batch_count = 1;
+      walk_lanes_for(isa)(task);
+      EXPECT_EQ(std::accumulate(ends.begin(), ends.end(), std::uint64_t{0}), 5000u);
+      const auto absorbed =
+          ends[static_cast<std::size_t>(WalkEnd::absorbed) * (kRouletteOrder + 1) + kRouletteOrder];
+      EXPECT_GT(absorbed, 500u) << to_text(isa);
+    }
 }
 
 // What no valid stack can bring about: a parameter that is not a number, put behind the reader.
