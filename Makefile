@@ -26,7 +26,7 @@ demo: release
 test: install-test-packages release
 	ctest --preset release
 	cmake --preset asan $(LAUNCHER)
-	cmake --build build/asan --target test_phase test_volume stack_fuzz
+	cmake --build build/asan --target test_phase_stack test_phase_random test_phase_medium test_volume_run stack_fuzz
 	ctest --test-dir build/asan --output-on-failure -j2 -R '(^|/)($(SANITIZED))'
 
 bench: release

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "analytic/single_scattering.h"
-#include "phase/builtin_stacks.h"
-#include "volume/simulation.h"
+#include "analytic/layered/single_scattering_model.h"
+#include "phase/stack/builtin_stacks.h"
+#include "volume/run/simulation.h"
 
 int main() {
   using namespace lamella;

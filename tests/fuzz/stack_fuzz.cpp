@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iostream>
 
-#include "phase/builtin_stacks.h"
-#include "phase/stack_file.h"
+#include "phase/stack/builtin_stacks.h"
+#include "phase/stack/stack_file.h"
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   if (*argc != 3 || std::strcmp((*argv)[1], "--seeds") != 0) return 0;

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "analytic/single_scattering.h"
+#include "analytic/layered/single_scattering_model.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella::testing {

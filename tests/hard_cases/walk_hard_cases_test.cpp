@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tests/volume/stacks.h"
+#include "tests/volume/run/stacks.h"
 
 namespace lamella {
 namespace {

@@ -6,6 +6,6 @@ execute_process(COMMAND ${NODE} build.mjs page.html WORKING_DIRECTORY ${FOLDER}
 file(SHA256 ${FOLDER}/page.html made)
 file(SHA256 ${SOURCE}/page.html kept)
 if(NOT made STREQUAL kept)
-  message(FATAL_ERROR "compare/report/page.html is not what its sources give: run "
-                      "npm ci && npm run build in compare/report and commit it")
+  message(FATAL_ERROR "compare/report/page/page.html is not what its sources give: run "
+                      "npm ci && npm run build in compare/report/page and commit it")
 endif()

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "phase/direction.h"
-#include "phase/random.h"
+#include "phase/math/direction.h"
+#include "phase/random/random.h"
 
 namespace lamella::testing {
 

@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 
-SETS = 4  # kSets of volume/lane_pool.h
+SETS = 4  # kSets of volume/lanes/lane_pool.h
 LANES = {"sse4": 4, "avx2": 8, "avx512": 16}
 KERNEL = re.compile(
     r"lamella::isa_(\w+)::walks_of<0, lamella::OneMedium<lamella::isa_\w+::Lane<float>, "

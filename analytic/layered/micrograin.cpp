@@ -1,0 +1,471 @@
+#include "analytic/layered/micrograin.h"
+
+#include <array>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+
+#include "analytic/model/one_half_space.h"
+#include "analytic/model/reflection_angles.h"
+#include "phase/math/sampling.h"
+#include "phase/medium/flake.h"
+
+namespace lamella {
+namespace {
+
+double grains_per_disc(double tau0) { return -std::log1p(-tau0); }
+
+/// lambda / tau0, 1 in the limit
+double crowding(double tau0) { return tau0 == 0 ? 1 : grains_per_disc(tau0) / tau0; }
+
+double tangent_squared(double mu) { return (1 - mu) * (1 + mu) / (mu * mu); }
+
+/// gamma_beta(theta) / cos theta: area of a whole ellipsoid's shadow over that of its disc.
+double shadow(double mu, double beta) { return std::sqrt(1 + beta * beta * tangent_squared(mu)); }
+
+/// sin^2 / (beta^2 cos^2 + sin^2): the share of the disc inside of which normals are steeper.
+double disc_share(double mu, double beta) {
+  const double s2 = (1 - mu) * (1 + mu);
+  return s2 / (beta * beta * mu * mu + s2);
+}
+
+double ggx_projected_area(double mu, double alpha) {
+  return 0.5 * (mu + std::sqrt(mu * mu + alpha * alpha * (1 - mu) * (1 + mu)));
+}
+
+/// mu plus the integral over the facets that face away, term by term (see the header). R and the
+/// sines are times the sine of w, so that nothing is infinite at normal incidence.
+double series_projected_area(double mu, double tau0, double beta, int terms) {
+  const double lambda = grains_per_disc(tau0);
+  const double s = std::sqrt((1 - mu) * (1 + mu));
+  const double r = std::hypot(beta * s, mu);
+  const double sine = beta * s / r, cosine = mu / r;  // of A
+  // The integral of sin^(2n + 1) over (0, A), by its recurrence; J_n = sine sin^(2n + 1) A /
+  // (2n + 1) - cosine times it.
+  double integral = cosine < 0.5 ? 1 - cosine : sine * sine / (1 + cosine);
+  double power = sine;      // sin^(2n + 1) A
+  double factor = kPi / 2;  // lambda^n / n! B_n
+  double sum = 0;
+  for (int n = 0;; ++n) {
+    const double term = factor * (sine * power / (2 * n + 1) - cosine * integral);
+    sum += term;
+    // Terms grow up to n = lambda at most and fall by lambda sin^2 A / n from there.
+    if (n == terms || (n > lambda && std::abs(term) <= 1e-17 * sum)) break;
+    power *= sine * sine;
+    integral = ((2 * n + 2) * integral - power * cosine / sine) / (2 * n + 3);
+    factor *= (n + 1.5) / (n + 2) * lambda / (n + 1);
+    if (!(sine > 0)) break;
+  }
+  const double scale = lambda > 0 ? lambda / std::expm1(lambda) : 1;
+  return mu + scale * r / kPi * std::max(0.0, sum);
+}
+
+enum class Surface { lambert, dielectric, conductor };
+
+struct Grains {
+  double tau0, beta, ior;
+  Surface surface;
+  MicrograinShadowing shadowing;
+  int terms;
+  bool visible_normals;
+  Rgb albedo, f0;
+  std::shared_ptr<const Model> bulk;
+};
+
+/// What a specular grain's part loses, 1 - E, as a function of mu: interpolated between nodes at
+/// uniform steps of sqrt(mu).
+class SpecularLoss {
+ public:
+  SpecularLoss() = default;
+  template <class Albedo>
+  explicit SpecularLoss(const Albedo& albedo) {
+    for (int k = 0; k < kNodes; ++k) {
+      const double x = static_cast<double>(k) / (kNodes - 1);
+      loss_[k] = 1 - albedo(std::max(x * x, kGrazingLimit));
+    }
+    // 2 mu dmu = 4 x^3 dx; a linear piece's share is exact.
+    for (int k = 0; k + 1 < kNodes; ++k) {
+      const double h = 1.0 / (kNodes - 1), a = k * h, b = a + h;
+      const double whole = b * b * b * b - a * a * a * a;
+      const double slope = (loss_[k + 1] - loss_[k]) / h;
+      const double first = 0.8 * (b * b * b * b * b - a * a * a * a * a);
+      mean_ += loss_[k] * whole + slope * (first - a * whole);
+    }
+  }
+  [[nodiscard]] double operator()(double mu) const {
+    const double x = std::sqrt(mu) * (kNodes - 1);
+    const int k = std::min(static_cast<int>(x), kNodes - 2);
+    return loss_[k] + (x - k) * (loss_[k + 1] - loss_[k]);
+  }
+  [[nodiscard]] double mean() const { return mean_; }
+
+ private:
+  static constexpr int kNodes = 65;
+  std::array<double, kNodes> loss_{};
+  double mean_ = 0;
+};
+
+class Micrograin final : public Model {
+ public:
+  explicit Micrograin(const Grains& grains) : Model(2), g_(grains) {
+    if (g_.surface == Surface::dielectric)
+      loss_ = SpecularLoss([&](double mu) { return specular_albedo(mu); });
+  }
+
+  [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
+    const auto a = reflection_angles(wi, wo);
+    if (!a) return Rgb();
+    const double w = micrograin_weight(a->mu_i, a->mu_o, g_.tau0, g_.beta);
+    if (lobe == 1) return (1 - w) * g_.bulk->eval(wi, wo);
+    switch (g_.surface) {
+      case Surface::lambert:
+        return w / kPi * g_.albedo;
+      case Surface::conductor:
+        return w * specular(*a, wi, wo);
+      case Surface::dielectric:
+        break;
+    }
+    const double base = loss_(a->mu_i) * loss_(a->mu_o) / (kPi * loss_.mean());
+    return w * (specular(*a, wi, wo) + base * g_.albedo);
+  }
+
+  /// One of the bulk's own sampler, the cosine law for Lambertian parts, and the grains' normals. A
+  /// reflected direction may lie below, where the model is 0: the density counts it.
+  [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
+                                                double u3) const override {
+    if (wo.z < 0) return Model::sample(wo, u2, u3, u1);
+    const Shares p = shares(wo);
+    if (u1 < p.bulk) return g_.bulk->sample(wo, u1 / p.bulk, u2, u3);
+    if (u1 >= p.bulk + p.specular) return Model::sample(wo, u2, u3, u1);
+    if (!g_.visible_normals)
+      return mirrored(
+          wo, direction_from_mu_phi(micrograin_ndf_sample(u2, g_.tau0, g_.beta), 2 * kPi * u3));
+    // As many numbers as it takes; a stream keyed by the uniforms keeps the sampler a function.
+    RandomStream stream(static_cast<std::uint64_t>(u2 * 0x1p53),
+                        static_cast<std::uint64_t>(u3 * 0x1p53), StreamPurpose::model);
+    return mirrored(wo, micrograin_visible_normal(wo, g_.tau0, g_.beta, stream));
+  }
+
+  [[nodiscard]] double pdf(Direction wi, Direction wo) const override {
+    if (wo.z < 0) return Model::pdf(wi, wo);
+    const Shares p = shares(wo);
+    double density = p.bulk > 0 ? p.bulk * g_.bulk->pdf(wi, wo) : 0;
+    const double diffuse = 1 - p.bulk - p.specular;
+    if (diffuse > 0) density += diffuse * Model::pdf(wi, wo);
+    if (p.specular > 0) {
+      // Normals point up: one half vector of two.
+      Direction h = normalized(half_vector(wi, wo));
+      if (h.z < 0) h = -h;
+      const double cosine = dot(wo, h);
+      const double d = micrograin_ndf(h.z, g_.tau0, g_.beta) / 4;
+      if (g_.visible_normals) {
+        const double area = micrograin_projected_area(std::max(wo.z, kGrazingLimit), g_.tau0,
+                                                      g_.beta, MicrograinShadowing::smith);
+        if (cosine > 0) density += p.specular * d / area;
+      } else if (cosine != 0) {
+        density += p.specular * d * h.z / std::abs(cosine);
+      }
+    }
+    return density;
+  }
+
+ private:
+  struct Shares {
+    double bulk, specular;
+  };
+  [[nodiscard]] Shares shares(Direction wo) const {
+    const double mu = std::max(wo.z, kGrazingLimit);
+    const double grains = micrograin_tau_plus(mu, g_.tau0, g_.beta);
+    if (g_.surface == Surface::lambert) return {1 - grains, 0};
+    if (g_.surface == Surface::conductor) return {1 - grains, grains};
+    return {1 - grains, grains * (g_.albedo == Rgb() ? 1 : 0.5)};
+  }
+
+  [[nodiscard]] double area(double mu) const {
+    return micrograin_projected_area(mu, g_.tau0, g_.beta, g_.shadowing, g_.terms);
+  }
+
+  [[nodiscard]] Rgb fresnel(double cosine) const {
+    if (g_.surface == Surface::dielectric) return Rgb(fresnel_dielectric(cosine, g_.ior));
+    return schlick(g_.f0, schlick_weight(cosine));
+  }
+
+  [[nodiscard]] Rgb specular(const ReflectionAngles& a, Direction wi, Direction wo) const {
+    const Direction h = normalized(half_vector(wi, wo));
+    // G / (mu_i mu_o), which is finite at grazing
+    const double shadowing = 1 / (a.mu_o * area(a.mu_i) + a.mu_i * area(a.mu_o) - a.mu_i * a.mu_o);
+    return micrograin_ndf(h.z, g_.tau0, g_.beta) / 4 * shadowing * fresnel(dot(wi, h));
+  }
+
+  /// Directional albedo of the specular part from mu: over the normals, in the coordinates in which
+  /// D has no peak, the integral of F G / G_1 over the visible ones.
+  [[nodiscard]] double specular_albedo(double mu) const {
+    using Rule = boost::math::quadrature::gauss<double, 24>;
+    const double lambda = grains_per_disc(g_.tau0);
+    const Direction w = direction_from_mu_phi(mu, 0);
+    const double area_w = area(mu);
+    const auto over = [](const auto& f) { return Rule::integrate(f, 0.0, 1.0); };
+    // sin^2 psi = y; phi in (0, pi), where half of D lies.
+    return over([&](double x) {
+      const double y = x * x;  // the sides of a peak at y = 0 by steps in its root
+      const double n = std::sqrt(1 - y), r = std::sqrt(y);
+      return 2 * x * over([&](double p) {
+               const double phi = kPi * p;
+               const Direction m = normalized(
+                   Direction{g_.beta * r * std::cos(phi), g_.beta * r * std::sin(phi), n});
+               const double cosine = dot(w, m);
+               if (cosine <= 0) return 0.0;
+               const double mu_o = 2 * cosine * m.z - mu;
+               if (mu_o <= 0) return 0.0;
+               const double g =
+                   1 / (mu_o * area_w + mu * area(mu_o) - mu * mu_o);  // G / (mu_i mu_o)
+               // D cos dm = crowding exp(-lambda y) dy dp; f mu_o dw_o = D G F / (4 mu_i) 4 cos dm
+               return crowding(g_.tau0) * std::exp(-lambda * y) * cosine / m.z * mu_o * g *
+                      fresnel(cosine).r;
+             });
+    });
+  }
+
+  Grains g_;
+  SpecularLoss loss_;
+};
+
+ParameterInfo color(std::string name, std::string doc, std::string default_value) {
+  ParameterInfo info = albedo_parameter(std::move(doc));
+  info.name = std::move(name);
+  info.default_value = std::move(default_value);
+  return info;
+}
+
+/// The first word is the default.
+ParameterInfo choice(std::string name, std::string doc, std::vector<std::string> words) {
+  ParameterInfo info{.name = std::move(name),
+                     .kind = ParameterKind::choice,
+                     .unit = "1",
+                     .doc = std::move(doc),
+                     .default_value = words.front()};
+  info.choices = std::move(words);
+  return info;
+}
+
+const std::string kBulkKey = "bulk_";
+
+std::unique_ptr<const Model> make_bulk(const Parameters& p) {
+  const ModelInfo& info = *find_model(p.choice("bulk"));
+  Parameters below;
+  for (const ParameterInfo& parameter : info.parameters)
+    below.set(parameter.name, checked(parameter, p.at(kBulkKey + parameter.name)));
+  return info.make(below, nullptr);
+}
+
+/// A part that is a function of one cosine.
+template <class F>
+auto of_cosines(const F& f) {
+  return [f](const Parameters& p, Direction wi, Direction wo) {
+    return Rgb(f(std::max(std::abs(wi.z), kGrazingLimit), std::max(std::abs(wo.z), kGrazingLimit),
+                 p.number("tau0"), p.number("beta")));
+  };
+}
+
+}  // namespace
+
+double micrograin_ndf(double mu, double tau0, double beta) {
+  const double s2 = (1 - mu) * (1 + mu), q = beta * beta * mu * mu + s2;
+  return crowding(tau0) * beta * beta / (kPi * q * q) * std::exp(-grains_per_disc(tau0) * s2 / q);
+}
+
+double micrograin_ndf_cdf(double mu, double tau0, double beta) {
+  const double y = disc_share(mu, beta);
+  return tau0 == 0 ? y : -std::expm1(-grains_per_disc(tau0) * y) / tau0;
+}
+
+double micrograin_ndf_sample(double xi, double tau0, double beta) {
+  const double y = tau0 == 0 ? xi : std::log1p(-xi * tau0) / std::log1p(-tau0);
+  return std::sqrt((1 - y) / (1 - y + beta * beta * y));
+}
+
+double micrograin_equivalent_roughness(double tau0, double beta) {
+  return beta / std::sqrt(crowding(tau0));
+}
+
+double micrograin_tau(double mu, double tau0, double beta) {
+  return -std::expm1(-grains_per_disc(tau0) * shadow(mu, beta));
+}
+
+double micrograin_tau_plus(double mu, double tau0, double beta) {
+  return -std::expm1(-grains_per_disc(tau0) * (1 + shadow(mu, beta)) / 2);
+}
+
+double micrograin_weight(double mu_i, double mu_o, double tau0, double beta) {
+  const double area = (shadow(mu_i, beta) + shadow(mu_o, beta)) / 2;
+  return -std::expm1(-grains_per_disc(tau0) * area);
+}
+
+double micrograin_projected_area(double mu, double tau0, double beta, MicrograinShadowing shadowing,
+                                 int terms) {
+  if (shadowing == MicrograinShadowing::ggx)
+    return ggx_projected_area(mu, micrograin_equivalent_roughness(tau0, beta));
+  return series_projected_area(mu, tau0, beta,
+                               shadowing == MicrograinShadowing::series ? terms : -1);
+}
+
+Direction micrograin_visible_normal(Direction w, double tau0, double beta, RandomStream& stream) {
+  const double lambda = grains_per_disc(tau0);
+  // Stretched, the ellipsoid is a sphere; what w sees of its upper half is a half disc and half an
+  // ellipse across w.
+  const Direction v = normalized(Direction{beta * w.x, beta * w.y, w.z});
+  const Frame<double> frame = frame_around(v);
+  // The axes across v: along the horizon, and upwards.
+  const double s = std::sqrt(v.x * v.x + v.y * v.y);
+  const Direction side = s > 0 ? Direction{-v.y / s, v.x / s, 0} : frame.s;
+  const Direction up = cross(v, side);
+  for (;;) {
+    const double radius = std::sqrt(stream.uniform()), phi = 2 * kPi * stream.uniform();
+    const double x = radius * std::cos(phi);
+    const double chord = std::sqrt(1 - x * x), share = (1 + v.z) / 2;
+    const double y = chord + share * (radius * std::sin(phi) - chord);
+    const double z = std::sqrt(std::max(0.0, 1 - x * x - y * y));
+    const Direction n = x * side + y * up + z * v;
+    const double height = std::max(0.0, n.z);
+    if (stream.uniform() < std::exp(-lambda * (1 - height) * (1 + height)))
+      return normalized(Direction{beta * n.x, beta * n.y, height});
+  }
+}
+
+double fresnel_dielectric(double cosine, double ior) {
+  const double s2 = (1 - cosine) * (1 + cosine) / (ior * ior);
+  const double inside = std::sqrt(1 - s2);
+  const double rs = (cosine - ior * inside) / (cosine + ior * inside);
+  const double rp = (ior * cosine - inside) / (ior * cosine + inside);
+  return 0.5 * (rs * rs + rp * rp);
+}
+
+ModelInfo micrograin_model() {
+  return {
+      .name = "micrograin",
+      .doc = "porous layer of opaque half ellipsoids on any surface here",
+      .source = "Lucas et al. 2023, A Micrograin BSDF Model for the Rendering of Porous Layers",
+      .parameters =
+          {{.name = "tau0",
+            .unit = "1",
+            .doc = "filling factor: share of the surface under grains",
+            .default_value = "0.5",
+            .min = 0,
+            .max = 1,
+            .max_open = true},
+           {.name = "beta",
+            .unit = "1",
+            .doc = "anfractuosity: height of a grain over its radius",
+            .default_value = "0.5",
+            .min = 0.001,
+            .max = 1},
+           choice("surface", "surface of a grain", {"lambert", "dielectric", "conductor"}),
+           color("albedo", "of Lambertian grains, and of what lies under a dielectric", "1"),
+           color("f0", "reflectance of conductors at normal incidence (Schlick)", "1"),
+           {.name = "ior",
+            .unit = "1",
+            .doc = "refractive index of dielectrics",
+            .default_value = "1.5",
+            .min = 1,
+            .max = 4,
+            .min_open = true},
+           color("bulk_albedo", "of the surface below", "0"),
+           choice("shadowing",
+                  "ggx: Smith's of GGX with the equivalent roughness; smith: of the exact normals; "
+                  "series: its first terms",
+                  {"ggx", "smith", "series"}),
+           {.name = "terms",
+            .unit = "1",
+            .doc = "n of the last term of shadowing=series",
+            .default_value = "4",
+            .min = 0,
+            .max = 1000},
+           choice("normals", "sampled for specular grains", {"visible", "all"})},
+      .lobes = {{"grains", "light that meets grains", Order::one},
+                {"bulk", "light that meets the surface below only", Order::one}},
+      .make =
+          [](const Parameters& p, const Stack*) {
+            const std::string& surface = p.choice("surface");
+            const std::string& shadowing = p.choice("shadowing");
+            return std::make_unique<Micrograin>(
+                Grains{.tau0 = p.number("tau0"),
+                       .beta = p.number("beta"),
+                       .ior = p.number("ior"),
+                       .surface = surface == "lambert"     ? Surface::lambert
+                                  : surface == "conductor" ? Surface::conductor
+                                                           : Surface::dielectric,
+                       .shadowing = shadowing == "ggx"     ? MicrograinShadowing::ggx
+                                    : shadowing == "smith" ? MicrograinShadowing::smith
+                                                           : MicrograinShadowing::series,
+                       .terms = static_cast<int>(p.number("terms")),
+                       .visible_normals = p.choice("normals") == "visible",
+                       .albedo = p.color("albedo"),
+                       .f0 = p.color("f0"),
+                       .bulk = make_bulk(p)});
+          },
+      .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+        const GrainGeometry* g = stack.grains();
+        if (!g || g->is_bed() || g->surface == GrainSurface::dielectric) return std::nullopt;
+        Parameters p;
+        p.set("tau0", g->tau0);
+        p.set("beta", g->beta);
+        const bool conductor = g->surface == GrainSurface::conductor;
+        // Conductors have Schlick's factor of f0, and nothing beside it.
+        if (conductor && stack.layers[0].albedo != Rgb(1)) return std::nullopt;
+        p.set("surface", std::string(conductor ? "conductor" : "lambert"));
+        p.set("albedo", stack.layers[0].albedo);
+        p.set("f0", stack.layers[0].f0);
+        const Substrate& below = *stack.substrate;
+        p.set("bulk_albedo", below.albedo);
+        if (!below.model.empty()) {
+          p.set("bulk", below.model);
+          for (const auto& [key, value] : below.parameters.all()) p.set(kBulkKey + key, value);
+        }
+        return p;
+      },
+      .parts = {{"ndf", "D of the normal w_i [1/sr]",
+                 of_cosines([](double mu_i, double, double tau0, double beta) {
+                   return micrograin_ndf(mu_i, tau0, beta);
+                 })},
+                {"tau", "filling factor from w_i, of whole ellipsoids",
+                 of_cosines([](double mu_i, double, double tau0, double beta) {
+                   return micrograin_tau(mu_i, tau0, beta);
+                 })},
+                {"tau_plus", "visible filling factor from w_i",
+                 of_cosines([](double mu_i, double, double tau0, double beta) {
+                   return micrograin_tau_plus(mu_i, tau0, beta);
+                 })},
+                {"weight", "share of the paths between w_i and w_o that meet grains",
+                 of_cosines(micrograin_weight)},
+                {"g1", "Smith's G_1 of w_i for the exact normals",
+                 of_cosines([](double mu_i, double, double tau0, double beta) {
+                   return mu_i /
+                          micrograin_projected_area(mu_i, tau0, beta, MicrograinShadowing::smith);
+                 })}}};
+}
+
+void offer_bulk_models(std::vector<ModelInfo>& models) {
+  std::vector<ParameterInfo> keys;
+  std::vector<std::string> names;
+  ModelInfo* grains = nullptr;
+  for (ModelInfo& info : models) {
+    if (info.name == "micrograin") {
+      grains = &info;
+      continue;
+    }
+    // A stack below would be a layer of its own.
+    if (info.needs_stack) continue;
+    names.push_back(info.name);
+    for (const ParameterInfo& p : info.parameters) {
+      if (find(keys, kBulkKey + p.name) || p.name == "albedo") continue;
+      ParameterInfo key = p;
+      key.name = kBulkKey + p.name;
+      key.doc = "of the surface below, where it has it: " + p.doc;
+      keys.push_back(std::move(key));
+    }
+  }
+  if (!grains) return;
+  grains->parameters.push_back(choice("bulk", "closed form of the surface below", names));
+  grains->parameters.insert(grains->parameters.end(), keys.begin(), keys.end());
+}
+
+}  // namespace lamella

@@ -1,0 +1,48 @@
+#include "analytic/model/model.h"
+
+#include "analytic/model/hemisphere_quadrature.h"
+#include "phase/math/sampling.h"
+
+namespace lamella {
+
+std::string to_text(Order order) {
+  static const std::string names[] = {"1", "2", "3", "4+", "all"};
+  return names[static_cast<int>(order)];
+}
+
+Rgb Model::eval(Direction wi, Direction wo) const {
+  Rgb sum;
+  for (int lobe = 0; lobe < lobes_; ++lobe) sum += eval_lobe(lobe, wi, wo);
+  return sum;
+}
+
+void Model::eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const {
+  for (int lobe = 0; lobe < lobes_; ++lobe) values[lobe] = eval_lobe(lobe, wi, wo);
+}
+
+void Model::eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const {
+  static const Isa widest = isa_from_text("auto");
+  eval(pairs, values, widest);
+}
+
+void Model::eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa /*isa*/) const {
+  for (std::size_t k = 0; k < pairs.size(); ++k) values[k] = eval(pairs[k].wi, pairs[k].wo);
+}
+
+std::optional<Direction> Model::sample(Direction wo, double u1, double u2, double /*u3*/) const {
+  return cosine_hemisphere(Direction{0, 0, wo.z < 0 ? -1.0 : 1.0}, u1, u2);
+}
+
+double Model::pdf(Direction wi, Direction wo) const {
+  const bool same_side = (wi.z < 0) == (wo.z < 0);
+  return same_side ? std::abs(wi.z) / kPi : 0;
+}
+
+Rgb Model::albedo(Direction wi) const {
+  const auto f = [&](Direction wo) { return eval(wi, wo); };
+  return integrate_projected_rgb(f, 1) + integrate_projected_rgb(f, -1);
+}
+
+double Model::uncollided(Direction /*wi*/) const { return 0; }
+
+}  // namespace lamella

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "phase/lanes/isa.h"
+#include "phase/stack/stack.h"
+
+namespace lamella {
+
+/// The scattering orders that lobes are tallied by: 1, 2, 3, and all from 4 on.
+enum class Order { one, two, three, four_plus, all };
+inline constexpr int kOrders = 4;
+
+/// "1", "2", "3", "4+", "all"
+[[nodiscard]] std::string to_text(Order order);
+
+/// A named part of a closed form. `order` is the scattering order it stands for; Order::all if it
+/// stands for none in particular.
+struct LobeInfo {
+  std::string name;
+  std::string doc;
+  Order order = Order::all;
+};
+
+struct DirectionPair {
+  Direction wi, wo;
+};
+
+/// A closed form, its parameters fixed. Values are f(w_i, w_o) [1/sr], the BSDF without the cosine:
+/// reflection where mu_i mu_o > 0, transmission otherwise; mu = 0 is the limit from above.
+/// Directions are unit. Implementations are immutable and may be called from any thread.
+class Model {
+ public:
+  virtual ~Model() = default;
+
+  /// One lobe of ModelInfo::lobes.
+  [[nodiscard]] virtual Rgb eval_lobe(int lobe, Direction wi, Direction wo) const = 0;
+
+  /// All lobes at once, in the order of ModelInfo::lobes. Override where they share work.
+  virtual void eval_lobes(Direction wi, Direction wo, std::span<Rgb> values) const;
+
+  /// The sum of all lobes. Override where the sum is cheaper than its parts.
+  [[nodiscard]] virtual Rgb eval(Direction wi, Direction wo) const;
+
+  /// values[k] = eval(pairs[k]), up to rounding. Override where a batch is cheaper than its pairs.
+  /// The spans have the same length; isa is supported (scalar: double, one pair after the other).
+  virtual void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const;
+  /// The same on the widest lanes (isa_from_text("auto"), asked once).
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const;
+
+  /// The model's own sampler: w_i given w_o from three uniforms in (0, 1), or nothing if no light
+  /// can be found that way. Default: the cosine law on the side of w_o.
+  [[nodiscard]] virtual std::optional<Direction> sample(Direction wo, double u1, double u2,
+                                                        double u3) const;
+
+  /// Density [1/sr] with which sample(w_o, ...) gives w_i.
+  [[nodiscard]] virtual double pdf(Direction wi, Direction wo) const;
+
+  /// Directional albedo: the share of light from w_i that leaves anywhere, the delta transmission
+  /// apart. Default: adaptive quadrature of f |mu_o|, relative error 1e-8.
+  [[nodiscard]] virtual Rgb albedo(Direction wi) const;
+
+  /// The share of light from w_i that passes without scattering (a delta, no part of eval).
+  [[nodiscard]] virtual double uncollided(Direction wi) const;
+
+ protected:
+  explicit Model(int lobes) : lobes_(lobes) {}
+
+ private:
+  int lobes_;
+};
+
+/// A quantity besides the BSDF that a paper tabulates, as a function of a pair of directions.
+struct PartInfo {
+  std::string name;
+  std::string doc;  ///< which of the directions count, and the unit
+  /// From checked, complete parameters.
+  std::function<Rgb(const Parameters& parameters, Direction wi, Direction wo)> eval;
+};
+
+/// A closed form as `lamella models` knows it.
+struct ModelInfo {
+  std::string name;
+  std::string doc;
+  std::string source;
+  std::vector<ParameterInfo> parameters;
+  std::vector<LobeInfo> lobes;
+  bool reciprocal = true;    ///< f(w_i, w_o) = f(w_o, w_i) for reflection is claimed
+  bool transmits = false;    ///< has values where mu_i mu_o < 0
+  bool needs_stack = false;  ///< is built from a stack; otherwise `make` ignores it
+  /// Builds the model from checked, complete parameters; `stack` is set if needs_stack. Throws
+  /// ParameterError.
+  std::function<std::unique_ptr<Model>(const Parameters& parameters, const Stack* stack)> make;
+  /// The parameters with which the model claims to describe the stack, or nothing if it does not
+  /// apply. May be empty: never applies unasked.
+  std::function<std::optional<Parameters>(const Stack& stack)> applies_to;
+  std::vector<PartInfo> parts = {};  ///< beside lobes, pdf and albedo
+};
+
+/// Every closed form. A new one is a file pair and a line in models.cpp.
+[[nodiscard]] const std::vector<ModelInfo>& models();
+
+/// The entry with that name, or nullptr.
+[[nodiscard]] const ModelInfo* find_model(std::string_view name);
+
+}  // namespace lamella

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "compare/bench/benchmark.h"
+#include "phase/stack/builtin_stacks.h"
+#include "phase/stack/stack_file.h"
+#include "volume/solver/deterministic_run.h"
+
+namespace lamella {
+namespace {
+
+// One stack per medium and flake, so that each kernel shows what it costs.
+struct SolvedStack {
+  std::string name, toml;
+};
+const std::vector<SolvedStack>& solved_stacks() {
+  static const std::vector<SolvedStack> list{
+      {"lambert_sphere_halfspace", "medium = \"lambert_sphere\"\nalbedo = 0.9\nthickness = inf\n"},
+      {"lambert_sphere_slab", "medium = \"lambert_sphere\"\nalbedo = 0.9\nthickness = 2\n"},
+      {"hg_slab", "medium = \"henyey_greenstein\"\ng = 0.7\nalbedo = 0.9\nthickness = 4\n"},
+      {"sggx_lambert_slab",
+       "medium = \"sggx\"\nflake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 2\n"},
+      {"sggx_slab", "medium = \"sggx\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 2\n"},
+      {"vmf_halfspace", "medium = \"vmf_flake\"\nroughness = 0.5\nalbedo = 0.9\nthickness = inf\n"},
+      // The hard ends of the range.
+      {"hg_0.9_slab", "medium = \"henyey_greenstein\"\ng = 0.9\nalbedo = 0.9\nthickness = 4\n"},
+      {"sggx_lambert_0.05_slab",
+       "medium = \"sggx\"\nflake = \"lambert\"\nroughness = 0.05\nalbedo = 0.9\nthickness = 2\n"},
+      {"vmf_lambert_0.01_slab",
+       "medium = \"vmf_flake\"\nroughness = 0.01\nalbedo = 0.9\nthickness = 2\n"},
+      {"sggx_mirror_0.3_slab", "medium = \"sggx\"\nroughness = 0.3\nalbedo = 0.9\nthickness = 2\n"},
+      {"vmf_mirror_0.3_halfspace",
+       "medium = \"vmf_flake\"\nflake = \"mirror\"\nroughness = 0.3\nalbedo = 0.9\nthickness = "
+       "inf\n"},
+      {"sggx_mirror_0.05_slab",
+       "medium = \"sggx\"\nroughness = 0.05\nalbedo = 0.9\nthickness = 2\n"},
+  };
+  return list;
+}
+
+Stack stack_of(const SolvedStack& s) { return parse_stack("[[layer]]\n" + s.toml, s.name, s.name); }
+
+BenchmarkRow row_of(std::string what, double seconds, const DeterministicAccuracy& a) {
+  BenchmarkRow row{.what = std::move(what), .kind = "deterministic"};
+  row.seconds = seconds;
+  row.error = a.error;
+  row.extra = {{"nodes", a.nodes}, {"modes", a.modes}, {"bytes", a.bytes}, {"reached", a.reached}};
+  return row;
+}
+
+// Seconds against digits reached, per medium.
+void measure_digits(bool quick, double seconds_allowed, const ReportRow& report) {
+  for (const SolvedStack& solved : solved_stacks())
+    for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+      if (quick && tolerance < 1e-4) continue;
+      const Stack stack = stack_of(solved);
+      DeterministicAccuracy accuracy;
+      const double seconds = seconds_of([&] {
+        accuracy =
+            solve_deterministic(stack, {.tolerance = tolerance, .max_seconds = seconds_allowed})
+                .accuracy();
+      });
+      report(row_of(fmt::format("{}/solve/{:.0e}", solved.name, tolerance), seconds, accuracy));
+    }
+}
+
+// All cells of a 32 x 32 grid for eight incident directions to 1e-6, beside the time that walks
+// would need for the same error, from their time x variance.
+void measure_cells(bool quick, std::uint64_t seed, const ReportRow& report) {
+  constexpr double kTolerance = 1e-6;
+  const Stack stack = stack_of(solved_stacks().front());
+  const Plan plan = make_plan(stack);
+  const CellGrid grid{32, 32, true};
+  std::vector<Direction> incident;
+  for (int k = 0; k < 8; ++k) incident.push_back(direction_from_degrees(10.0 * k, 0));
+  std::vector<RunResult> runs;
+  const double seconds = seconds_of([&] {
+    runs = deterministic_runs(solve_deterministic(stack, {.tolerance = kTolerance / 2}), plan,
+                              incident, grid, kTolerance);
+  });
+  double worst = 0;
+  for (const RunResult& run : runs) worst = std::max(worst, run.accuracy->error);
+  DeterministicAccuracy accuracy = *runs.front().accuracy;
+  accuracy.error = worst;
+  accuracy.reached = worst <= kTolerance;
+  BenchmarkRow row =
+      row_of("lambert_sphere_halfspace/cells 32x32, 8 directions/1e-06", seconds, accuracy);
+  Simulation walks(stack, plan, benchmark_incident(), Estimator::analog, grid, seed);
+  const double walk_seconds = seconds_of([&] { walks.advance(quick ? 1 << 12 : 1 << 17); });
+  const RunResult walked = reduce(walks);
+  const LobeEstimate& all = walked.reflected.lobes[kTallyOrders];
+  double noise = 0, signal = 0;
+  for (std::size_t k = 0; k < all.value.size(); ++k) {
+    noise += all.standard_error[k] * all.standard_error[k];
+    signal += all.value[k] * all.value[k];
+  }
+  row.baseline = "analog walks to the same error";
+  row.ratio_to_baseline = 8 * walk_seconds * noise / signal / (worst * worst) / seconds;
+  row.extra["extrapolated"] = true;
+  report(std::move(row));
+}
+
+// How the cost of one solution grows: seconds at the largest size, and the exponent from half of
+// it.
+void measure_growth(bool quick, const ReportRow& report) {
+  const Stack stack = stack_of(solved_stacks()[2]);
+  const auto solve = [](const Stack& s, int nodes, int modes, DeterministicAccuracy& accuracy) {
+    // A tolerance that no series of modes ends at.
+    return seconds_of([&] {
+      accuracy =
+          solve_deterministic(
+              s, {.tolerance = 1e-30, .min_nodes = nodes, .max_nodes = nodes, .max_modes = modes})
+              .accuracy();
+    });
+  };
+  const auto grow = [&](const std::string& what, int from, int to, const auto& seconds_at) {
+    DeterministicAccuracy accuracy;
+    double before = 0;
+    for (int n = from; n <= to; n *= 2) {
+      const double seconds = seconds_at(n, accuracy);
+      BenchmarkRow row = row_of(fmt::format("growth/{} {}", what, n), seconds, accuracy);
+      // Refinement was switched off: there is no error to tell.
+      row.error.reset();
+      row.extra.erase("reached");
+      if (before > 0) row.extra["exponent"] = std::log2(seconds / before);
+      before = seconds;
+      report(std::move(row));
+    }
+  };
+  grow("nodes", 8, quick ? 16 : 64,
+       [&](int n, DeterministicAccuracy& a) { return solve(stack, n, 8, a); });
+  grow("modes", 8, quick ? 16 : 64,
+       [&](int n, DeterministicAccuracy& a) { return solve(stack, 16, n, a); });
+  grow("layers", 1, quick ? 4 : 32, [&](int n, DeterministicAccuracy& a) {
+    std::string toml;
+    for (int k = 0; k < n; ++k)
+      toml += fmt::format("[[layer]]\nmedium = \"lambert_sphere\"\nalbedo = 0.9\nthickness = {}\n",
+                          1 + 0.01 * k);
+    return solve(parse_stack(toml, "layers", "layers"), 16, 8, a);
+  });
+}
+
+}  // namespace
+
+void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
+                           const ReportRow& report) {
+  const bool quick = effort.repetition_seconds < 0.05;
+  tbb::task_arena one(1);
+  one.execute([&] {
+    measure_digits(quick, effort.solver_seconds, report);
+    measure_cells(quick, seed, report);
+    measure_growth(quick, report);
+  });
+}
+
+}  // namespace lamella

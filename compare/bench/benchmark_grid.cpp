@@ -1,0 +1,231 @@
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "compare/bench/benchmark.h"
+#include "phase/stack/stack_file.h"
+#include "volume/voxels/density_grid.h"
+
+namespace lamella {
+namespace {
+
+// Tiles of 96^3 voxels: a few dense balls in empty space, and density everywhere.
+struct GridCase {
+  const char* name;
+  double density;  // of the layer [1/mm]
+  std::shared_ptr<const Voxels> voxels;
+};
+
+std::shared_ptr<const Voxels> balls() {
+  constexpr int n = 96, count = 12;
+  constexpr double radius = 9;
+  Voxels out(VoxelExtent{{n, n, n}});
+  RandomStream stream(1, 0, StreamPurpose::test);
+  for (int k = 0; k < count; ++k) {
+    const double x = n * stream.uniform(), y = n * stream.uniform();
+    const double z = radius + (n - 2 * radius) * stream.uniform();
+    VoxelIndex i;
+    for (i[2] = static_cast<int>(z - radius); i[2] <= z + radius && i[2] < n; ++i[2])
+      for (int b = -10; b <= 10; ++b)
+        for (int a = -10; a <= 10; ++a) {
+          const double cx = std::floor(x) + a, cy = std::floor(y) + b;
+          if (std::hypot(cx + 0.5 - x, cy + 0.5 - y, i[2] + 0.5 - z) > radius) continue;
+          i[0] = (static_cast<int>(cx) + n) % n;
+          i[1] = (static_cast<int>(cy) + n) % n;
+          out.density.set(i, {1});
+        }
+  }
+  return std::make_shared<const Voxels>(std::move(out));
+}
+
+std::shared_ptr<const Voxels> everywhere() {
+  constexpr int n = 96;
+  Voxels out(VoxelExtent{{n, n, n}});
+  for_each_voxel(out.extent(), [&](VoxelIndex i) {
+    const auto wave = [&](int k) { return std::sin(2 * kPi * (k + 1) * i[k] / n); };
+    out.density.set(i, {static_cast<float>(1 + 0.5 * wave(0) * wave(1) + 0.3 * wave(2))});
+  });
+  return std::make_shared<const Voxels>(std::move(out));
+}
+
+Stack stack_of(const GridCase& which) {
+  return parse_stack(
+      "[[layer]]\nmedium = \"henyey_greenstein\"\nalbedo = 0.9\nthickness = 1\n"
+      "grid = \"" +
+          std::string(which.name) + "\"\nsize = [1, 1]\ndensity = " + to_text(which.density) + "\n",
+      "<bench>", which.name);
+}
+
+Plan plan_of(const Stack& stack, const GridCase& which, MajorantCells cells) {
+  return make_plan(stack, {},
+                   {std::make_shared<const DensityGrid>(stack.layers[0], which.voxels, cells)});
+}
+
+// The march that a first version has: half a voxel at a time, density looked up at each, a
+// collision where the sum passes the exponential number. Isotropic scattering of albedo 0.9.
+class FixedStepWalk {
+ public:
+  FixedStepWalk(const DensityGrid& grid, Direction wi, std::uint64_t seed)
+      : grid_(grid), wi_(wi), seed_(seed), reflected_(kBatches), walks_in_(kBatches) {}
+
+  void advance(std::uint64_t count) {
+    for (const std::uint64_t to = walks_ + count; walks_ < to; ++walks_) {
+      reflected_[walks_ % kBatches] += walk();
+      ++walks_in_[walks_ % kBatches];
+    }
+  }
+  [[nodiscard]] Estimate reflected() const {
+    double sum = 0, variance = 0;
+    for (const double r : reflected_) sum += r;
+    const double mean = sum / static_cast<double>(walks_);
+    for (int b = 0; b < kBatches; ++b) {
+      const double excess = reflected_[b] - mean * walks_in_[b];
+      variance += excess * excess;
+    }
+    return {mean, std::sqrt(variance * kBatches / (kBatches - 1)) / static_cast<double>(walks_)};
+  }
+
+ private:
+  [[nodiscard]] double walk() {
+    RandomStream stream(seed_, walks_, StreamPurpose::test);
+    const VoxelIndex n = grid_.extent().voxels;
+    const Direction h = grid_.voxel_size();
+    const double step = 0.5 * std::min({h.x, h.y, h.z});
+    double p[3] = {n[0] * stream.uniform(), n[1] * stream.uniform(), wi_.z > 0 ? 1.0 * n[2] : 0.0};
+    Direction d = -wi_;
+    double weight = 1;
+    for (int order = 0;; ++order) {
+      double remaining = stream.exponential();
+      const double rate[3] = {d.x / h.x * step, d.y / h.y * step, d.z / h.z * step};
+      while (remaining > 0) {
+        for (int a = 0; a < 3; ++a) {
+          p[a] += rate[a];
+          if (a < 2) p[a] -= n[a] * std::floor(p[a] / n[a]);
+        }
+        if (p[2] >= n[2]) return order > 0 ? weight : 0;
+        if (p[2] < 0) return 0;
+        const VoxelIndex i{std::min(static_cast<int>(p[0]), n[0] - 1),
+                           std::min(static_cast<int>(p[1]), n[1] - 1), static_cast<int>(p[2])};
+        remaining -= grid_.layer_density() * grid_.density(i) * step;
+      }
+      // As the engine's: the weight to the fourth event, then survival.
+      if (order < kTallyOrders - 1)
+        weight *= 0.9;
+      else if (stream.uniform() >= 0.9)
+        return 0;
+      const double u1 = stream.uniform(), u2 = stream.uniform();
+      d = uniform_sphere(u1, u2);
+    }
+  }
+
+  const DensityGrid& grid_;
+  Direction wi_;
+  std::uint64_t seed_, walks_ = 0;
+  std::vector<double> reflected_, walks_in_;
+};
+
+Estimate reflected(const Simulation& simulation) {
+  return batch_estimate(simulation.batches(), [](const BatchTally& b) {
+    double sum = 0;
+    for (const auto& order : b.energy.up) sum += order[0];
+    return sum;
+  });
+}
+
+Estimate at_point(const Simulation& simulation) {
+  return batch_estimate(simulation.batches(), [](const BatchTally& b) {
+    double sum = 0;
+    for (const double f : b.f) sum += f;
+    return sum;
+  });
+}
+
+double variance_per_walk(Estimate e, std::uint64_t walks) {
+  return e.standard_error * e.standard_error * static_cast<double>(walks);
+}
+
+// So many walks, a multiple of the batches, that take about that long.
+std::uint64_t walks_for(double seconds, Simulation& simulation) {
+  std::uint64_t walks = 4 * kBatches;
+  for (;;) {
+    const double taken = seconds_of([&] { simulation.advance(simulation.walks() + walks); });
+    if (taken > seconds / 4)
+      return kBatches *
+             std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(walks) *
+                                                                   seconds / taken / kBatches));
+    walks *= 4;
+  }
+}
+
+void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uint64_t seed,
+                  const ReportRow& report) {
+  const Stack stack = stack_of(which);
+  const Direction wi = benchmark_incident();
+  const Plan cells = plan_of(stack, which, MajorantCells::adaptive);
+  const Plan blocks = plan_of(stack, which, MajorantCells::blocks);
+  const Plan global = plan_of(stack, which, MajorantCells::global);
+  const auto on = [](Simulation& s, std::uint64_t n) { s.advance(s.walks() + n); };
+
+  const auto row_of = [&](const Simulation& simulation, const std::string& task,
+                          const InterleavedTimes& times, std::uint64_t collisions, Estimate e) {
+    BenchmarkRow row{.what = std::string("grid_") + which.name + "/" + task, .kind = "walk"};
+    row.seconds = times.total_first();
+    row.collisions_per_second_per_core = static_cast<double>(collisions) / times.total_first();
+    row.error = e.standard_error / e.value;
+    row.extra = {{"walks", simulation.walks()}};
+    return row;
+  };
+
+  // Time x variance of the marcher against other cuts of space, and against fixed steps.
+  for (const auto& [plan, name] :
+       {std::pair{&global, "one majorant for the whole grid"},
+        std::pair{&blocks, "a majorant per block of 8^3 voxels, none merged"}})
+    for (const bool next_event : {false, true}) {
+      const std::vector<Direction> points =
+          next_event ? benchmark_points(1) : std::vector<Direction>();
+      Simulation ours(stack, cells, wi, points, seed), theirs(stack, *plan, wi, points, seed + 1);
+      const std::uint64_t walks = walks_for(effort.repetition_seconds, ours);
+      on(theirs, walks);
+      const std::uint64_t before = ours.collisions();
+      const InterleavedTimes times = interleave(
+          effort.repetitions, [&] { on(ours, walks); }, [&] { on(theirs, walks); });
+      const Estimate e = next_event ? at_point(ours) : reflected(ours);
+      const Estimate other = next_event ? at_point(theirs) : reflected(theirs);
+      // Analog walks have the same variance however space is cut; ratio tracking has not.
+      const double variance_ratio =
+          next_event ? variance_per_walk(other, theirs.walks()) / variance_per_walk(e, ours.walks())
+                     : 1;
+      BenchmarkRow row =
+          row_of(ours, next_event ? "nee1" : "walk", times, ours.collisions() - before, e);
+      row.baseline = name;
+      row.ratio_to_baseline = times.median_ratio() * variance_ratio;
+      row.extra["variance_ratio"] = variance_ratio;
+      report(std::move(row));
+    }
+  Simulation ours(stack, cells, wi, std::vector<Direction>(), seed);
+  FixedStepWalk steps(*cells.grids[0], wi, seed);
+  const std::uint64_t walks = walks_for(effort.repetition_seconds, ours);
+  const std::uint64_t before = ours.collisions();
+  const InterleavedTimes times = interleave(
+      effort.repetitions, [&] { on(ours, walks); }, [&] { steps.advance(walks); });
+  const Estimate e = reflected(ours), other = steps.reflected();
+  BenchmarkRow row = row_of(ours, "walk", times, ours.collisions() - before, e);
+  const double bias = other.value / e.value - 1;
+  row.baseline =
+      "fixed steps of half a voxel, whose reflected energy is off by " +
+      to_text(std::round(1e4 * bias) / 100) + " % +- " +
+      to_text(std::round(1e4 * std::hypot(other.standard_error, e.standard_error) / e.value) / 100);
+  row.ratio_to_baseline = times.median_ratio();
+  report(std::move(row));
+}
+
+}  // namespace
+
+void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
+  tbb::task_arena one(1);
+  for (const GridCase& which :
+       {GridCase{"sparse", 40, balls()}, GridCase{"dense", 4, everywhere()}})
+    one.execute([&] { measure_grid(which, effort, seed, report); });
+}
+
+}  // namespace lamella

@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include "compare/command/command.h"
+#include "compare/judge/accuracy_table.h"
+#include "compare/report/json_report.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
+
+int accuracy_command(const Options& options) {
+  std::FILE* out = table_stream(options);
+  Json answer = json_header("accuracy", options);
+  answer["tolerance"] = options.tolerance;
+  answer["quick"] = options.quick;
+  Json rows = Json::array();
+  catch_interrupts();
+  if (!options.quiet)
+    fmt::print(out,
+               "| stack | model | 0° | 30° | 60° | 80° | energy off | truth within |\n"
+               "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  std::string family;
+  measure_model_accuracy(options.quick, options.tolerance, [&](const ModelAccuracy& row) {
+    if (!options.quiet) {
+      if (row.family != family) fmt::print(out, "| **{}** | | | | | | | |\n", row.family);
+      fmt::print(out, "| {} | `{}` |", row.stack, row.model);
+      for (const double rmse : row.relative_rmse) fmt::print(out, " {:.3g} % |", 100 * rmse);
+      fmt::print(out, " {:.2g} | {:.0e} |\n", row.energy_off, row.bound);
+      std::fflush(out);
+    }
+    family = row.family;
+    rows.push_back({{"family", row.family},
+                    {"stack", row.stack},
+                    {"model", row.model},
+                    {"relative_rmse", row.relative_rmse},
+                    {"energy_off", row.energy_off},
+                    {"truth_bound", row.bound}});
+  });
+  answer["interrupted"] = interrupted.load();
+  answer["rows"] = std::move(rows);
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella

@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/bench/benchmark.h"
+#include "compare/command/command.h"
+#include "compare/files/output_folder.h"
+#include "compare/report/json_report.h"
+#include "compare/report/report_page.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string cell(std::optional<double> x, const char* format) {
+  return x ? fmt::format(fmt::runtime(format), *x) : "-";
+}
+
+void print_row(std::FILE* out, const BenchmarkRow& row) {
+  std::string note = row.baseline;
+  if (row.extra.contains("ns_textbook"))
+    note += fmt::format(", {:.1f} ns", row.extra["ns_textbook"].get<double>());
+  if (row.extra.contains("variance_ratio"))
+    note +=
+        fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
+  if (row.extra.contains("cycles_per_collision"))
+    note += fmt::format("; {:.3g} cycles per collision",
+                        row.extra["cycles_per_collision"].get<double>());
+  if (row.extra.contains("lane_occupancy"))
+    note += fmt::format(", lanes {:.1f} % occupied, {:.0f} % of them at null collisions",
+                        100 * row.extra["lane_occupancy"].get<double>(),
+                        100 * row.extra["null_collisions"].get<double>());
+  if (row.extra.contains("nodes"))
+    note += fmt::format("{}{} nodes, {} modes, {:.2g} MB", note.empty() ? "" : ", ",
+                        row.extra["nodes"].get<int>(), row.extra["modes"].get<int>(),
+                        1e-6 * row.extra["bytes"].get<double>());
+  if (row.extra.contains("exponent"))
+    note += fmt::format("{}exponent {:.2f}", note.empty() ? "" : ", ",
+                        row.extra["exponent"].get<double>());
+  if (row.extra.contains("longest_walk"))
+    note += fmt::format("; longest walks {:.3g} events", row.extra["longest_walk"].get<double>());
+  if (row.extra.contains("reached") && !row.extra["reached"].get<bool>()) note += ", not reached";
+  if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
+    note += note.empty() ? "extrapolated" : ", extrapolated";
+  if (row.extra.contains("rays_per_second"))
+    note = fmt::format("{:.3g} rays/s among {} spheres; {}",
+                       row.extra["rays_per_second"].get<double>(),
+                       row.extra["spheres"].get<std::size_t>(), note);
+  if (row.extra.contains("bytes") && row.extra.contains("spheres"))
+    note = fmt::format("{} spheres, {:.0f} MiB; {}", row.extra["spheres"].get<std::size_t>(),
+                       static_cast<double>(row.extra["bytes"].get<std::int64_t>()) / 1048576, note);
+  fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", row.what,
+             cell(row.seconds, "{:.3g}"), cell(row.collisions_per_second_per_core, "{:.3g}"),
+             cell(row.ns_per_eval, "{:.1f}"), cell(row.error, "{:.1e}"),
+             cell(row.ratio_to_baseline, "{:.2f}"), note);
+  std::fflush(out);
+}
+
+struct BenchPart {
+  const char* name;
+  std::function<void(const BenchmarkEffort&, std::uint64_t seed, const ReportRow&)> measure;
+};
+const std::vector<BenchPart>& parts() {
+  static const std::vector<BenchPart> list{{"walks", measure_walks},
+                                           {"mixed", measure_mixed},
+                                           {"plan", measure_plan},
+                                           {"threads", measure_threads},
+                                           {"accuracy", measure_accuracy},
+                                           {"roulette", measure_roulette},
+                                           {"thinning", measure_thinning},
+                                           {"combined", measure_combination},
+                                           {"growth", measure_growth_of_walks},
+                                           {"solver", measure_deterministic},
+                                           {"grids", measure_grids},
+                                           {"models", measure_models},
+                                           {"tradeoff", measure_tradeoff},
+                                           {"grains", measure_grain_tracing}};
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::string> bench_parts() {
+  std::vector<std::string> names;
+  for (const BenchPart& part : parts()) names.emplace_back(part.name);
+  return names;
+}
+
+int bench_command(const Options& options) {
+  if (!options.html.empty()) check_output_file(options.html);
+  BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
+  effort.isa = isa_of(options);
+  effort.solver_seconds = options.solver_seconds.value_or(effort.solver_seconds);
+  std::FILE* out = table_stream(options);
+  if (!options.quiet)
+    fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", "what", "seconds", "coll./s",
+               "ns/eval", "error", "ratio", "baseline (ratio above 1: faster than it)");
+  Json rows = Json::array();
+  const ReportRow report = [&](const BenchmarkRow& row) {
+    if (!options.quiet) print_row(out, row);
+    rows.push_back(to_json(row));
+  };
+  std::vector<std::string> measured;
+  for (const BenchPart& part : parts()) {
+    const bool wanted = options.only.empty() || std::find(options.only.begin(), options.only.end(),
+                                                          part.name) != options.only.end();
+    if (!wanted || interrupted) continue;
+    part.measure(effort, options.seed, report);
+    measured.emplace_back(part.name);
+  }
+  Json answer = json_header("bench", options);
+  answer["quick"] = options.quick;
+  answer["solver_seconds"] = effort.solver_seconds;
+  answer["parts"] = measured;
+  answer["interrupted"] = interrupted.load();
+  answer["rows"] = std::move(rows);
+  write_html(answer, "Speed against error", options);
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella

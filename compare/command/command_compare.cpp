@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/command/command.h"
+#include "compare/files/output_folder.h"
+#include "compare/judge/side_by_side.h"
+#include "compare/preview/preview_views.h"
+#include "compare/report/compare_page.h"
+#include "compare/report/json_report.h"
+#include "compare/report/lobe_files.h"
+#include "compare/report/report_page.h"
+#include "compare/request/model_request.h"
+#include "compare/truth/ground_truth.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct JudgedModel {
+  const BoundModel* bound = nullptr;
+  std::string name;  // of its files
+  double nanoseconds = 0;
+  std::vector<LobeComparison> lobes{};
+};
+
+Json channel_list(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double v : values) list.push_back(v);
+  return list;
+}
+
+Json to_json(const LobeComparison& l) {
+  return {{"mu_i", l.wi.z == kGrazingLimit ? 0.0 : l.wi.z},
+          {"phi_i", phi_degrees(l.wi)},
+          {"side", l.reflected ? "reflect" : "transmit"},
+          {"order", to_text(l.order)},
+          {"energy_truth", channel_list(l.energy_truth)},
+          {"energy_standard_error", channel_list(l.energy_error)},
+          {"energy_model", channel_list(l.energy_model)},
+          {"rmse", l.rmse},
+          {"relative_rmse", json_number(l.relative_rmse)},
+          {"rmse_without_noise", l.rmse_without_noise},
+          {"relative_rmse_without_noise", json_number(l.relative_rmse_without_noise)},
+          {"max_error", l.max_error},
+          {"p_value", l.p_value},
+          {"empty_cells", l.empty_cells},
+          {"verdict", to_text(l.verdict)}};
+}
+
+std::string verdict_text(const LobeComparison& l) {
+  if (l.verdict != Verdict::differs) return to_text(l.verdict);
+  if (l.relative_rmse_without_noise == 0 || std::isinf(l.relative_rmse_without_noise))
+    return "differs";
+  return fmt::format("differs by {:.2g} %", 100 * l.relative_rmse_without_noise);
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v / static_cast<double>(values.size());
+  return sum;
+}
+
+// Those that are not at their defaults.
+std::vector<std::pair<std::string, ParameterValue>> told_parameters(const BoundModel& model) {
+  std::vector<std::pair<std::string, ParameterValue>> list;
+  for (const auto& [key, value] : model.parameters.all()) {
+    const ParameterInfo* info = find(model.info->parameters, key);
+    if (!info || info->default_value.empty() || parse_value(*info, info->default_value) != value)
+      list.emplace_back(key, value);
+  }
+  return list;
+}
+
+std::string table(const std::vector<JudgedModel>& models) {
+  std::string text;
+  for (const JudgedModel& m : models) {
+    text += "\n" + m.bound->info->name;
+    for (const auto& [key, value] : told_parameters(*m.bound))
+      text += fmt::format(", {} = {}", key, to_text(value));
+    text += fmt::format(" ({:.0f} ns per evaluation)\n", m.nanoseconds);
+    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>9} {:>9} {:>9}  {}\n",
+                        "theta_i", "side", "order", "energy truth", "+-", "energy model",
+                        "rel. RMSE", "no noise", "p", "verdict");
+    for (const LobeComparison& l : m.lobes)
+      text += fmt::format(
+          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e} {:>12.5f} {:>8.2f}% {:>8.2f}% {:>9.2g}  {}\n",
+          theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
+          mean(l.energy_truth), mean(l.energy_error), mean(l.energy_model), 100 * l.relative_rmse,
+          100 * l.relative_rmse_without_noise, l.p_value, verdict_text(l));
+  }
+  return text;
+}
+
+Json to_json(const std::vector<SideBySide>& rows) {
+  Json list = Json::array();
+  for (const SideBySide& r : rows) {
+    Json entry{{"mu_i", r.wi.z},
+               {"phi_i", phi_degrees(r.wi)},
+               {"order", to_text(r.order)},
+               {"medium", r.medium},
+               {"energy_geometry", r.energy_geometry},
+               {"energy_medium", r.energy_medium},
+               {"relative_rmse_of_medium", r.medium_error.rmse},
+               {"noise", r.medium_error.noise}};
+    if (!r.model.empty()) {
+      entry["model"] = r.model;
+      entry["energy_model"] = r.energy_model;
+      entry["relative_rmse_of_model"] = r.model_error.rmse;
+      entry["relative_rmse_of_both"] = r.total_error.rmse;
+    }
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json models_json(const std::vector<JudgedModel>& models) {
+  Json list = Json::array();
+  for (const JudgedModel& m : models) {
+    Json lobes = Json::array(), parameters = Json::object();
+    for (const LobeComparison& l : m.lobes) lobes.push_back(to_json(l));
+    for (const auto& [key, value] : m.bound->parameters.all()) parameters[key] = to_json(value);
+    list.push_back({{"name", m.bound->info->name},
+                    {"parameters", std::move(parameters)},
+                    {"ns_per_eval", m.nanoseconds},
+                    {"lobes", std::move(lobes)}});
+  }
+  return list;
+}
+
+// Whether a model's noise-free relative RMSE over all orders is beyond --max-error.
+bool is_too_far(const std::vector<JudgedModel>& models, const Options& options) {
+  double worst = 0;
+  for (const JudgedModel& m : models)
+    for (const LobeComparison& l : m.lobes)
+      // Where nothing arrives any model is infinitely far off: that counts once it is no accident.
+      if (l.order == Order::all &&
+          (std::isfinite(l.relative_rmse_without_noise) || l.verdict == Verdict::differs))
+        worst = std::max(worst, l.relative_rmse_without_noise);
+  return options.max_error && worst > *options.max_error;
+}
+
+// What a preview costs is not what the comparison may cost: the solver where it applies, whatever
+// counted the lobes, else walks enough for a picture.
+Options preview_options(const Options& options) {
+  constexpr std::uint64_t kPreviewWalks = 10000;
+  Options preview = options;
+  preview.estimator = "auto";
+  preview.walk_options.clear();
+  preview.walks = std::min(options.walks, kPreviewWalks);
+  return preview;
+}
+
+Json page_details(const std::vector<RunResult>& runs, std::vector<JudgedModel>& models) {
+  std::vector<std::vector<LobeComparison>> lobes;
+  Json told = Json::array();
+  for (JudgedModel& m : models) {
+    lobes.push_back(std::move(m.lobes));
+    Json list = Json::object();
+    for (const auto& [key, value] : told_parameters(*m.bound)) list[key] = to_json(value);
+    told.push_back(std::move(list));
+  }
+  Json details = compare_page_details(runs, lobes);
+  details["parameters"] = std::move(told);
+  return details;
+}
+
+}  // namespace
+
+int compare_command(const Options& options) {
+  const Stack stack = stack_of(options);
+  const bool previewed = options.preview && !options.answer_only;
+  if (previewed) check_preview("compare --preview", stack);
+  GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
+  const std::vector<BoundModel> models = models_for(options, stack);
+  const std::vector<std::string> names = distinct_names(models);
+  std::vector<JudgedModel> judged;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    judged.push_back({&models[m], names[m], nanoseconds_per_eval(*models[m].model)});
+  const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
+  if (!options.answer_only) make_output_folder(folder);
+
+  std::vector<RunResult> runs;
+  for (std::size_t k = 0; truth.goes_on(k); ++k) {
+    const Truth found = truth.find(k);
+    runs.push_back(found.run);
+    for (JudgedModel& m : judged)
+      for (LobeComparison& l : judge(found, truth.plan(), *m.bound))
+        m.lobes.push_back(std::move(l));
+  }
+  std::vector<LobeComparison*> all;
+  for (JudgedModel& m : judged)
+    for (LobeComparison& l : m.lobes) all.push_back(&l);
+  decide(all);
+
+  std::vector<SideBySide> beside;
+  if (stack.grains() && !interrupted) beside = side_by_side(stack, runs, options);
+  Json answer = json_header("compare", stack, options);
+  add_choice(answer, truth.choice(), options);
+  answer["walks"] = runs.front().walks;
+  answer["interrupted"] = interrupted.load();
+  answer["models"] = models_json(judged);
+  if (!beside.empty()) answer["side_by_side"] = to_json(beside);
+  const int status = is_too_far(judged, options) ? kFailed : kDone;
+  if (options.answer_only) {
+    write_json(answer, options);
+    return status;
+  }
+
+  std::string summary =
+      fmt::format("{}: {}{}{}\n", stack.name,
+                  runs.front().is_bounded()
+                      ? ""
+                      : fmt::format("{} walks per direction, ", runs.front().walks),
+                  estimator_text(truth.choice(), options),
+                  truth.plan().channels == 3 ? "; energies are means over r, g, b" : "") +
+      table(judged) + (beside.empty() ? "" : side_by_side_table(beside));
+  int pictures = 0;
+  for (const JudgedModel& m : judged) {
+    write_exr(folder + "/" + m.name + ".exr",
+              comparison_image(stack, runs, m.lobes, options, to_request(*m.bound)));
+    pictures += write_comparison_pictures(folder, m.name, stack.name, runs, m.lobes);
+  }
+  write_exr(folder + "/truth.exr", simulation_image(stack, runs, options));
+  Json details = page_details(runs, judged);
+  if (previewed && !interrupted) {
+    const LobeTable lobes = LobeTable::make(stack, preview_options(options));
+    const std::vector<PreviewResult> views =
+        preview_views(lobes, models, names, PreviewLighting{}, options.size);
+    write_preview_files(folder + "/preview_", views, lobes, stack, options);
+    answer["previews"] = to_json(views);
+    details["previews"] = preview_page_details(views, lobes, options);
+    summary += fmt::format("\npreview: truth by {}\n{}", lobes.source(), preview_table(views));
+  }
+  write_file(folder + "/report.json", answer.dump(2) + "\n");
+  write_file(folder + "/summary.txt", summary);
+  write_report_page(folder + "/report.html", stack.name + ": closed forms against ground truth",
+                    answer, details);
+  if (!options.quiet) {
+    std::FILE* out = table_stream(options);
+    fmt::print(out, "{}", summary);
+    if (judged.empty()) fmt::print(out, "no closed form applies to this stack (see --model)\n");
+    if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
+    fmt::print(out,
+               "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
+               "summary.txt{} and {} error maps (*.png)\n",
+               folder, previewed ? ", previews (preview_*.exr, .png)" : "", pictures);
+  }
+  write_json(answer, options);
+  return status;
+}
+
+}  // namespace lamella

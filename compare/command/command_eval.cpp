@@ -1,0 +1,329 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+
+#include "analytic/catalogue/model_plugin.h"
+#include "analytic/model/stochastic_model.h"
+#include "compare/command/command.h"
+#include "compare/request/direction_pairs.h"
+#include "compare/request/model_request.h"
+#include "compare/request/substrate_model.h"
+#include "compare/truth/estimator_choice.h"
+#include "compare/truth/point_truth.h"
+#include "phase/stack/builtin_stacks.h"
+
+namespace lamella {
+namespace {
+
+const std::string kStdin = "<stdin>";
+
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+// The rows of the answer: f per pair, and its standard error where the model is stochastic.
+struct Answer {
+  std::vector<Rgb> f;
+  std::vector<Rgb> standard_error;
+  bool color = false;
+};
+
+KeyValues split(const std::vector<std::string>& words) {
+  KeyValues values;
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::size_t equals = words[k].find('=');
+    if (equals == std::string::npos)
+      throw UsageError(fmt::format("{}: found \"{}\"; allowed: key=value", words[0], words[k]));
+    values.emplace_back(words[k].substr(0, equals), words[k].substr(equals + 1));
+  }
+  return values;
+}
+
+std::optional<std::string> take(KeyValues& values, const std::string& key) {
+  for (auto it = values.begin(); it != values.end(); ++it)
+    if (it->first == key) {
+      std::string text = it->second;
+      values.erase(it);
+      return text;
+    }
+  return std::nullopt;
+}
+
+bool has_three_values(const KeyValues& values) {
+  return std::any_of(values.begin(), values.end(), [](const auto& v) {
+    return v.first != "axis" && std::count(v.second.begin(), v.second.end(), ',') == 2;
+  });
+}
+
+// The stack that stack=... names, if it is there. Not both it and the pairs can be stdin.
+std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
+                                const DirectionPairs& pairs) {
+  const auto name = take(values, "stack");
+  if (!name) return std::nullopt;
+  if (*name == "-" && pairs.file == kStdin)
+    throw UsageError(fmt::format(
+        "{}: key \"stack\": found - beside --pairs -; allowed: only one of them from stdin", what));
+  return with_surface_model(load_stack(*name));
+}
+
+// Pairs that a stack has no answer to.
+void check_pairs(const DirectionPairs& pairs, const Stack& stack, bool wi_only = false) {
+  for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
+    if (pairs.pairs[k].wi.z < 0 && !stack.is_open_below())
+      refuse_pair(pairs, k,
+                  fmt::format("light from below, which {}; allowed: theta_i in [0, 90], mu_i >= 0",
+                              stack.substrate ? "meets an opaque substrate"
+                                              : "cannot come through a half space"));
+    if (!wi_only && pairs.pairs[k].wi.z == 0 && pairs.pairs[k].wo.z == 0)
+      refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
+  }
+}
+
+// media.NAME.sigma and media.NAME.phase, with the keys of a layer.
+Answer eval_medium(const std::string& what, const KeyValues& given,
+                   const std::vector<DirectionPair>& pairs) {
+  const std::size_t dot = what.rfind('.');
+  const std::string name = what.substr(6, dot - 6), part = what.substr(dot + 1);
+  const MediumInfo* info = dot > 6 ? find_medium(name) : nullptr;
+  std::vector<std::string> names;
+  for (const MediumInfo& m : media())
+    for (const char* p : {".sigma", ".phase"}) names.push_back("media." + m.name + p);
+  if (!info || (part != "sigma" && part != "phase")) {
+    const std::string hint = suggestion(what, names);
+    throw UsageError(fmt::format("\"{}\": unknown{}; allowed: {}", what,
+                                 hint.empty() ? "" : ", " + hint, listed(names)));
+  }
+  // A layer's other keys are taken, too, and change neither sigma nor p.
+  std::vector<ParameterInfo> infos = info->parameters;
+  infos.push_back(
+      {.name = "albedo", .kind = ParameterKind::color, .unit = "1", .doc = "", .min = 0, .max = 1});
+  infos.push_back({.name = "thickness", .unit = "mm", .doc = "", .min = 0});
+  infos.push_back({.name = "density", .unit = "1/mm", .doc = "", .min = 0, .max_open = true});
+  Parameters parameters = read_parameters(what, infos, given);
+  Answer answer;
+  answer.color = has_three_values(given);
+  try {
+    const Medium medium = info->make(parameters);
+    for (const DirectionPair& pair : pairs)
+      answer.f.emplace_back(part == "sigma" ? sigma(medium, pair.wi)
+                                            : phase(medium, pair.wi, pair.wo).density);
+  } catch (const ParameterError& error) {
+    throw UsageError(fmt::format("{}: {}", what, error.what()));
+  }
+  return answer;
+}
+
+// Says where the solver's bound of a value is above the tolerance, which is relative to the mean
+// over the azimuth; the value itself stands in for that mean here.
+void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSolution& solution,
+                    double tolerance) {
+  double worst = 0;
+  for (const TruthValue& v : truth)
+    for (int c = 0; c < 3; ++c)
+      if (v.f[c] != 0) worst = std::max(worst, v.standard_error[c] / std::abs(v.f[c]));
+  const DeterministicAccuracy& a = solution.accuracy();
+  if (worst > tolerance && !a.reached)
+    fmt::print(stderr,
+               "lamella: warning: truth: the solver's bound is {:.1e} of a value at worst after {} "
+               "nodes and {} modes, short of tolerance {}; see se\n",
+               worst, a.nodes, a.modes, to_text(tolerance));
+}
+
+Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
+  const auto stack = take_stack(values, "truth", pairs);
+  if (!stack)
+    throw UsageError(
+        "truth: key \"stack\": found nothing; allowed: a stack file, - or a built-in stack");
+  const auto walks = take(values, "walks");
+  const auto estimator = take(values, "estimator");
+  const auto seed = take(values, "seed");
+  const auto tolerance = take(values, "tolerance");
+  const auto seconds = take(values, "time");
+  if (estimator && *estimator == "analog")
+    throw UsageError(
+        "truth: key \"estimator\": found \"analog\", which counts light in cells and never meets a "
+        "point; allowed: auto, next-event, deterministic");
+  if (estimator && *estimator != "auto" && *estimator != "next-event" &&
+      *estimator != "deterministic")
+    throw UsageError(
+        fmt::format("truth: key \"estimator\": found \"{}\"; allowed: auto, next-event, "
+                    "deterministic",
+                    *estimator));
+  if (!values.empty())
+    throw UsageError(fmt::format(
+        "truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance, "
+        "time (seconds of estimator=deterministic)",
+        values[0].first));
+  check_pairs(pairs, *stack);
+  Options with_seed = options;
+  with_seed.estimator = estimator.value_or("auto");
+  if (walks) {
+    with_seed.walks = parse_walks(*walks);
+    with_seed.walk_options.insert(with_seed.walk_options.begin(), "walks");
+  }
+  if (tolerance) {
+    const auto number = parse_number(*tolerance);
+    if (!number || !(*number > 0) || std::isinf(*number))
+      throw UsageError(fmt::format(
+          "truth: key \"tolerance\": found \"{}\"; allowed: a number in (0, inf)", *tolerance));
+    with_seed.tolerance = *number;
+  }
+  if (seconds) {
+    const auto number = parse_number(*seconds);
+    if (with_seed.estimator != "deterministic" || !number || !(*number > 0))
+      throw UsageError(
+          fmt::format("truth: key \"time\": found \"{}\" with estimator={}; allowed: a number of "
+                      "seconds above 0 with estimator=deterministic",
+                      *seconds, with_seed.estimator));
+    with_seed.seconds = *number;
+  }
+  if (seed) {
+    const auto number = parse_whole_number(*seed);
+    if (!number)
+      throw UsageError(
+          fmt::format("truth: key \"seed\": found \"{}\"; allowed: a whole number", *seed));
+    with_seed.seed = *number;
+  }
+  Answer answer;
+  answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
+  catch_interrupts();
+  const EstimatorChoice choice = choose_estimator(*stack, with_seed, Estimator::next_event);
+  std::vector<TruthValue> truth;
+  if (choice.solution) {
+    truth = truth_at(*choice.solution, pairs.pairs);
+    warn_of_bounds(truth, *choice.solution, with_seed.tolerance);
+  } else {
+    truth = truth_at(*stack, plan_of(options, *stack), pairs.pairs, with_seed.walks, with_seed.seed,
+                     &interrupted);
+  }
+  for (const TruthValue& v : truth) {
+    answer.f.push_back(v.f);
+    answer.standard_error.push_back(v.standard_error);
+  }
+  if (interrupted)
+    fmt::print(stderr, "lamella: interrupted: {} than asked for, see se\n",
+               choice.solution ? "a coarser solution" : "fewer walks");
+  return answer;
+}
+
+// MODEL, MODEL.pdf, MODEL.albedo or MODEL.LOBE.
+Answer eval_model(const std::string& what, KeyValues values, const DirectionPairs& pairs) {
+  std::optional<Stack> stack;
+  Answer answer;
+  answer.color = has_three_values(values);
+  // The parts of a model in ./mine.so are named ./mine.so.PART.
+  const std::size_t object = what.rfind(".so");
+  const std::size_t dot = object == std::string::npos ? what.find('.') : what.find('.', object + 1);
+  const std::string name = what.substr(0, dot);
+  const std::string part = dot == std::string::npos ? "" : what.substr(dot + 1);
+  const ModelInfo* info = find_or_load_model(name);
+  if (!info) {
+    std::vector<std::string> names;
+    for (const ModelInfo& m : models()) names.push_back(m.name);
+    names.insert(names.end(), {"truth", "media.NAME.sigma", "media.NAME.phase"});
+    const std::string hint = suggestion(name, names);
+    throw UsageError(fmt::format("model \"{}\": unknown{}; allowed: {}", name,
+                                 hint.empty() ? "" : ", " + hint, listed(names)));
+  }
+  if (info->needs_stack) {
+    stack = take_stack(values, name, pairs);
+    if (stack) answer.color = answer.color || !stack->is_grey();
+  }
+  const BoundModel bound = bind_model({name, values}, stack ? &*stack : nullptr);
+  int lobe = -1;
+  std::vector<std::string> parts{"pdf", "albedo"};
+  for (std::size_t k = 0; k < bound.info->lobes.size(); ++k) {
+    parts.push_back(bound.info->lobes[k].name);
+    if (bound.info->lobes[k].name == part) lobe = static_cast<int>(k);
+  }
+  const PartInfo* extra = nullptr;
+  for (const PartInfo& p : bound.info->parts) {
+    parts.push_back(p.name);
+    if (p.name == part) extra = &p;
+  }
+  if (!part.empty() && part != "pdf" && part != "albedo" && lobe < 0 && !extra) {
+    const std::string hint = suggestion(part, parts);
+    throw UsageError(fmt::format("{}: part \"{}\": unknown{}; allowed: {}", name, part,
+                                 hint.empty() ? "" : ", " + hint, listed(parts)));
+  }
+  if (stack) check_pairs(pairs, *stack, part == "albedo");
+  for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
+    const DirectionPair& pair = pairs.pairs[k];
+    if (part == "pdf") {
+      answer.f.emplace_back(bound.model->pdf(pair.wi, pair.wo));
+    } else if (part == "albedo") {
+      answer.f.push_back(bound.model->albedo(with_grazing_limit(pair.wi)));
+    } else if (extra) {
+      answer.f.push_back(
+          extra->eval(bound.parameters, with_grazing_limit(pair.wi), with_grazing_limit(pair.wo)));
+    } else {
+      const bool grazing = pair.wi.z == 0 && pair.wo.z == 0;
+      const auto* estimate =
+          lobe < 0 ? dynamic_cast<const StochasticModel*>(bound.model.get()) : nullptr;
+      const ValueWithError value =
+          estimate ? estimate->eval_with_error(pair.wi, pair.wo)
+                   : ValueWithError{lobe < 0 ? bound.model->eval(pair.wi, pair.wo)
+                                             : bound.model->eval_lobe(lobe, pair.wi, pair.wo),
+                                    Rgb()};
+      const Rgb f = value.f;
+      const bool finite = std::isfinite(f.r + f.g + f.b);
+      if (grazing && !finite)
+        refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
+      answer.f.push_back(f);
+      if (estimate) answer.standard_error.push_back(value.standard_error);
+    }
+  }
+  return answer;
+}
+
+std::string row_text(const Rgb& v, bool color) {
+  return color ? fmt::format(",{:.17g},{:.17g},{:.17g}", v.r, v.g, v.b)
+               : fmt::format(",{:.17g}", v.r);
+}
+
+}  // namespace
+
+int eval_command(const Options& options, const std::vector<std::string>& words) {
+  DirectionPairs pairs;
+  if (options.pairs == "-") {
+    pairs = read_pairs(std::cin, kStdin);
+  } else {
+    std::ifstream file(options.pairs);
+    const bool folder = std::filesystem::is_directory(options.pairs);
+    if (!file || folder)
+      throw UsageError(fmt::format("{}: {}; allowed: a CSV file of direction pairs, or -",
+                                   options.pairs, std::strerror(folder ? EISDIR : errno)));
+    pairs = read_pairs(file, options.pairs);
+  }
+  const std::string& what = words[0];
+  Answer answer;
+  try {
+    if (what == "truth")
+      answer = eval_truth(split(words), pairs, options);
+    else if (what.starts_with("media."))
+      answer = eval_medium(what, split(words), pairs.pairs);
+    else
+      answer = eval_model(what, split(words), pairs);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("{}: {}", what, error.what()));
+  }
+  std::string text = pairs.header + (answer.color ? ",f_r,f_g,f_b" : ",f");
+  if (!answer.standard_error.empty()) text += answer.color ? ",se_r,se_g,se_b" : ",se";
+  text += '\n';
+  for (std::size_t k = 0; k < pairs.rows.size(); ++k) {
+    const Rgb f = answer.f[k];
+    if (!std::isfinite(f.r + f.g + f.b))
+      throw std::domain_error(fmt::format("{}: a value that is not finite at {} = {}", what,
+                                          pairs.header, pairs.rows[k]));
+    text += pairs.rows[k] + row_text(f, answer.color);
+    if (!answer.standard_error.empty()) text += row_text(answer.standard_error[k], answer.color);
+    text += '\n';
+  }
+  fmt::print("{}", text);
+  return kDone;
+}
+
+}  // namespace lamella

@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include "analytic/layered/spongecake.h"
+#include "compare/command/closed_form_command.h"
+#include "compare/files/output_folder.h"
+#include "compare/fit/sampler_fit.h"
+#include "compare/fit/spongecake_fit.h"
+#include "compare/report/json_report.h"
+#include "compare/request/model_request.h"
+#include "compare/truth/ground_truth.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSamplingNodes = 9;
+
+// The sampling lobes of a model with a roughness, as initializers.
+int fit_sampling(const Options& options, const ClosedFormOptions& closed) {
+  const ModelRequest request = parse_model_request(closed.sampling);
+  const ModelInfo* info = find_model(request.name);
+  if (info && !find(info->parameters, "roughness"))
+    throw UsageError(
+        fmt::format("--sampling: found \"{}\", which has no roughness; allowed: a model with one",
+                    request.name));
+  const auto model = [&](double roughness) {
+    ModelRequest at = request;
+    at.values.emplace_back("roughness", to_text(roughness));
+    return bind_model(at, nullptr).model;
+  };
+  const SamplingLobeTable table = fit_sampling_lobes(model, kSamplingNodes, kSamplingNodes);
+  std::FILE* out = table_stream(options);
+  if (!options.quiet) {
+    fmt::print(out, "second moment of the weight at the nodes: roughness, mu, cosine law, fit\n");
+    for (int i = 0; i < table.roughnesses; ++i)
+      for (int j = 0; j < table.cosines; ++j) {
+        const auto square = [](int k) { return k * k / 64.0; };
+        const std::size_t at = static_cast<std::size_t>(i) * table.cosines + j;
+        fmt::print(out, "  {:>9.6f} {:>9.6f} {:>11.5g} {:>11.5g}\n", square(i), square(j),
+                   table.cosine_moment[at], table.moment[at]);
+      }
+  }
+  if (!options.output.empty()) write_file(options.output, to_initializers(table));
+  return kDone;
+}
+
+constexpr CellGrid kFitGrid{8, 16, false};
+
+void check_stack(const Stack& stack) {
+  if (!is_spongecake_stack(stack))
+    throw UsageError(fmt::format(
+        "fit: found stack \"{}\"; allowed: layers of SGGX mirror flakes or henyey_greenstein",
+        stack.name));
+  if (stack.layers.size() > static_cast<std::size_t>(kSpongecakeLayers))
+    throw UsageError(fmt::format("fit: found stack \"{}\" of {} layers; allowed: up to {}",
+                                 stack.name, stack.layers.size(), kSpongecakeLayers));
+}
+
+int fit_stack(const Options& options) {
+  const Stack stack = stack_of(options);
+  check_stack(stack);
+  if (!options.output.empty()) check_output_file(options.output);
+  GroundTruth truth(stack, options, kFitGrid, Estimator::analog);
+  std::vector<RunResult> runs;
+  for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
+  const SpongecakeFit fit = fit_spongecake(stack, runs);
+  std::FILE* out = table_stream(options);
+  if (!options.quiet) {
+    fmt::print(out,
+               "{}: orders 2 and up, {}; what two lobes leave over\n"
+               "  {:>7} {:>9} {:>13} {:>13} {:>10} {:>9}\n",
+               stack.name, estimator_text(truth.choice(), options), "theta_i", "side",
+               "energy truth", "energy lobes", "rel. RMSE", "noise");
+    for (const SpongecakeResidue& r : fit.residues)
+      fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>9.2f}% {:>8.2f}%\n",
+                 theta_degrees(r.wi), r.reflected ? "reflect" : "transmit", r.energy_truth,
+                 r.energy_model, 100 * r.relative_rmse, 100 * r.noise);
+    fmt::print(out, "  all: {:.2f} % of the root mean square, {:.2f} % of it noise\n\n--model {}\n",
+               100 * fit.relative_rmse, 100 * fit.noise, fit.request);
+  }
+  Json answer = json_header("fit", stack, options);
+  answer["walks"] = runs.front().walks;
+  answer["model"] = fit.request;
+  answer["relative_rmse"] = fit.relative_rmse;
+  answer["noise"] = fit.noise;
+  answer["residues"] = Json::array();
+  for (const SpongecakeResidue& r : fit.residues)
+    answer["residues"].push_back({{"mu_i", r.wi.z},
+                                  {"phi_i", phi_degrees(r.wi)},
+                                  {"side", r.reflected ? "reflect" : "transmit"},
+                                  {"energy_truth", r.energy_truth},
+                                  {"energy_model", r.energy_model},
+                                  {"relative_rmse", r.relative_rmse},
+                                  {"noise", r.noise}});
+  if (!options.output.empty()) write_file(options.output, fit.request + "\n");
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace
+
+int fit_command(const Options& options, const ClosedFormOptions& closed) {
+  return closed.sampling.empty() ? fit_stack(options) : fit_sampling(options, closed);
+}
+
+}  // namespace lamella

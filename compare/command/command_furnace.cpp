@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analytic/catalogue/model_plugin.h"
+#include "compare/command/command.h"
+#include "compare/files/output_folder.h"
+#include "compare/judge/furnace.h"
+#include "compare/report/json_report.h"
+#include "compare/report/report_page.h"
+#include "compare/request/model_request.h"
+#include "compare/request/substrate_model.h"
+#include "compare/truth/ground_truth.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Chance that a true furnace fails, over all directions and channels of one command.
+constexpr double kFalseAlarm = 1e-3;
+// What a closed form may miss of the energy unless --max-error says otherwise.
+constexpr double kModelTolerance = 1e-3;
+// A furnace needs totals only: few targets keep next-event estimation cheap.
+constexpr CellGrid kFurnaceGrid{4, 8, false};
+
+int status_of(const std::string& verdict, const Options& options) {
+  if (verdict == "fail") return kFailed;
+  return verdict == "inconclusive" && options.strict ? kFailed : kDone;
+}
+
+std::string worse(const std::string& a, const std::string& b) {
+  for (const char* v : {"fail", "inconclusive"})
+    if (a == v || b == v) return v;
+  return "pass";
+}
+
+int model_furnace(const Options& options, const Stack& stack) {
+  Json answer = json_header("furnace", stack, options);
+  Json list = Json::array();
+  std::string overall = "pass";
+  bool needs_stack = false;
+  const double tolerance = options.max_error.value_or(kModelTolerance);
+  std::FILE* out = table_stream(options);
+  for (const std::string& text : options.models) {
+    ModelRequest request = parse_model_request(text);
+    if (!options.as_is)
+      if (const ModelInfo* info = find_or_load_model(request.name))
+        for (const char* key : {"albedo", "rho", "f0"})
+          if (find(info->parameters, key)) {
+            std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
+            request.values.emplace_back(key, "1");
+          }
+    Options one = options;
+    std::string joined = request.name;
+    for (const auto& [key, value] : request.values)
+      joined.append(",").append(key).append("=").append(value);
+    one.models = {joined};
+    const BoundModel bound = std::move(models_for(one, stack).front());
+    Json runs = Json::array();
+    for (const Direction wi : incident_directions(options, stack)) {
+      const Direction w = with_grazing_limit(wi);
+      const Rgb scattered = bound.model->albedo(w);
+      const double passed = bound.model->uncollided(w);
+      std::string verdict = "pass";
+      Json energy = Json::array();
+      double worst = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double e = scattered[c] + passed;
+        if (!std::isfinite(e))
+          throw std::domain_error("the model gives a value that is not finite");
+        energy.push_back(e);
+        worst = std::max(worst, options.as_is ? e - 1 : std::abs(e - 1));
+      }
+      if (worst > tolerance) verdict = "fail";
+      overall = worse(overall, verdict);
+      runs.push_back(
+          {{"mu_i", wi.z}, {"phi_i", phi_degrees(wi)}, {"energy", energy}, {"verdict", verdict}});
+      if (!options.quiet)
+        fmt::print(out, "{} theta_i {:g}: energy {:.6f} {:.6f} {:.6f}, {}\n", bound.info->name,
+                   theta_degrees(wi), energy[0].get<double>(), energy[1].get<double>(),
+                   energy[2].get<double>(), verdict);
+    }
+    needs_stack = needs_stack || bound.info->needs_stack;
+    list.push_back({{"name", bound.info->name}, {"runs", std::move(runs)}});
+  }
+  answer["verdict"] = overall;
+  answer["tolerance"] = tolerance;
+  answer["models"] = std::move(list);
+  answer["runs"] = answer["models"][0]["runs"];
+  if (!options.quiet) fmt::print(out, "{}\n", overall);
+  write_html(answer, "White furnace of closed forms", options, {{"needs_stack", needs_stack}});
+  write_json(answer, options);
+  return status_of(overall, options);
+}
+
+}  // namespace
+
+int furnace_command(const Options& options) {
+  if (!options.html.empty()) check_output_file(options.html);
+  Stack stack = stack_of(options);
+  if (!options.as_is) stack = with_surface_model(whitened(std::move(stack)));
+  if (!options.models.empty()) return model_furnace(options, stack);
+  GroundTruth truth(stack, options, kFurnaceGrid, Estimator::next_event);
+  const Plan& plan = truth.plan();
+  const std::vector<Direction>& directions = truth.directions();
+  const double level = -std::expm1(std::log1p(-kFalseAlarm) /
+                                   static_cast<double>(directions.size() * plan.channels));
+  std::FILE* out = table_stream(options);
+  if (!options.quiet)
+    fmt::print(out,
+               "{}: furnace{}, {}\n  {:>7} {:>10} {:>9} {:>10} {:>10} {:>10} {:>10} "
+               "{:>10}  {}\n",
+               stack.name, options.as_is ? " as it is" : ", all albedos at 1",
+               estimator_text(truth.choice(), options), "theta_i", "energy", "+-", "reflected",
+               "transm.", "uncollided", "absorbed", "unresolved", "verdict");
+  Json answer = json_header("furnace", stack, options);
+  Json runs = Json::array();
+  std::string overall = "pass";
+  for (std::size_t k = 0; truth.goes_on(k); ++k) {
+    const Direction wi = directions[k];
+    const Truth found = truth.find(k);
+    const FurnaceRun furnace = judge_furnace(found.run, found.batches.get(), !options.as_is, level);
+    const std::string verdict = to_text(furnace.verdict);
+    overall = worse(overall, verdict);
+    Json entry = to_json(furnace.run);
+    entry["energy"] = values_of(furnace.energy, plan.channels);
+    entry["energy_standard_error"] = errors_of(furnace.energy, plan.channels);
+    entry["verdict"] = verdict;
+    const RunResult& run = furnace.run;
+    if (!options.quiet)
+      for (int c = 0; c < plan.channels; ++c)
+        fmt::print(out,
+                   "  {:>7g} {:>10.8f} {:>9.1e} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} "
+                   "{:>10.6f}  {}\n",
+                   theta_degrees(wi), furnace.energy[c].value, furnace.energy[c].standard_error,
+                   run.reflected.total[c].value, run.transmitted.total[c].value,
+                   run.uncollided[c].value, run.absorbed[c].value, run.unresolved[c].value,
+                   c == 0 ? verdict : "");
+    // A one-sided slab has a second furnace: radiance under uniform light from both sides.
+    const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
+                                      [](const Layer& l) { return is_delta(l.medium); });
+    if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
+        !specular && !interrupted) {
+      const RadianceCheck check =
+          run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
+                           : check_radiance(stack, plan, wi, run.walks, options.seed, &interrupted);
+      entry["radiance"] = {{"measured", check.measured},
+                           {"standard_error", check.standard_error},
+                           {"predicted", check.predicted},
+                           {"predicted_standard_error", check.predicted_error}};
+      if (!options.quiet)
+        fmt::print(out,
+                   "          radiance under uniform light from both sides: {:.8f} +- {:.1e}, "
+                   "predicted {:.8f} +- {:.1e}\n",
+                   check.measured, check.standard_error, check.predicted, check.predicted_error);
+    }
+    runs.push_back(std::move(entry));
+  }
+  add_choice(answer, truth.choice(), options);
+  answer["verdict"] = overall;
+  answer["interrupted"] = interrupted.load();
+  answer["runs"] = std::move(runs);
+  if (!options.quiet) {
+    if (truth.estimator() != Estimator::deterministic && plan.thinning.is_on())
+      fmt::print(
+          out,
+          "long walks are thinned: energies have the noise of that, which is no gain or loss "
+          "(--thin-from 0: none are)\n");
+    fmt::print(out, "{}\n", overall);
+    if (overall == "inconclusive" && truth.estimator() == Estimator::deterministic)
+      fmt::print(out, "the solver's bound is too wide to judge by (--tolerance, --time)\n");
+    else if (overall == "inconclusive")
+      fmt::print(
+          out,
+          "walks cut after {} events hold more light than the noise (--max-order), or too few "
+          "walks hit what scatters sharply (--walks, --estimator analog)\n",
+          truth.plan().max_order);
+  }
+  write_html(answer, stack.name + ": white furnace", options);
+  write_json(answer, options);
+  return status_of(overall, options);
+}
+
+}  // namespace lamella

@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/command/command.h"
+#include "compare/files/output_folder.h"
+#include "compare/judge/lobe_difference.h"
+#include "compare/report/json_report.h"
+#include "compare/truth/estimator_choice.h"
+#include "phase/stack/builtin_stacks.h"
+#include "phase/stack/stack_file.h"
+#include "volume/voxels/density_grid.h"
+#include "volume/voxels/depth_profile.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Grids = std::vector<std::shared_ptr<const DensityGrid>>;
+
+constexpr const char* kExample = "woven_cloth";
+
+std::vector<double> factors_of(const Options& options) {
+  std::vector<double> factors;
+  for (const std::string& text : options.contrasts) {
+    const auto value = parse_number(text);
+    if (!value || !(*value >= 0 && *value <= 1))
+      throw UsageError(fmt::format("--contrast: found \"{}\"; allowed: a number in [0, 1]", text));
+    factors.push_back(*value);
+  }
+  if (factors.empty()) factors.push_back(1);
+  return factors;
+}
+
+Grids scaled(const Stack& stack, const Grids& grids, double factor) {
+  if (factor == 1) return grids;
+  Grids out(grids.size());
+  for (std::size_t k = 0; k < grids.size(); ++k)
+    if (grids[k])
+      out[k] = std::make_shared<DensityGrid>(
+          stack.layers[k], std::make_shared<Voxels>(with_contrast(grids[k]->voxels(), factor)));
+  return out;
+}
+
+std::string order_text(int slot) {
+  static const char* const names[] = {"1", "2", "3", "4+", "all"};
+  return names[slot];
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v / static_cast<double>(values.size());
+  return sum;
+}
+
+Json to_json(const LobeDifference& l) {
+  return {{"mu_i", l.wi.z},
+          {"phi_i", phi_degrees(l.wi)},
+          {"side", l.reflected ? "reflect" : "transmit"},
+          {"order", order_text(l.order)},
+          {"energy_grid", l.energy},
+          {"energy_grid_standard_error", l.energy_error},
+          {"energy_homogenised", l.energy_other},
+          {"energy_homogenised_standard_error", l.energy_other_error},
+          {"relative_rmse_without_noise", json_number(l.relative_rmse_without_noise)},
+          {"p_value", l.p_value},
+          {"verdict", to_text(l.verdict)}};
+}
+
+void print(std::FILE* out, const LobeDifference& l) {
+  const double grid = mean(l.energy), other = mean(l.energy_other);
+  fmt::print(out,
+             "  {:>7g} {:>9} {:>5} {:>10.5f} {:>8.1e} {:>10.5f} {:>8.1e} {:>8} {:>8.2f}% "
+             "{:>9.2g}  {}\n",
+             theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", order_text(l.order), grid,
+             mean(l.energy_error), other, mean(l.energy_other_error),
+             grid > 0 ? fmt::format("{:+.2f}%", 100 * (other / grid - 1)) : "-",
+             100 * l.relative_rmse_without_noise, l.p_value, to_text(l.verdict));
+}
+
+}  // namespace
+
+int homogenise_command(const Options& options) {
+  Options own = options;
+  if (own.stack.empty()) own.stack = kExample;
+  const Stack stack = stack_of(own);
+  if (!stack.has_grid())
+    throw UsageError(fmt::format(
+        "{}: found no layer with a grid; allowed: a stack with one (lamella grid makes them)",
+        stack.name));
+  const std::vector<double> factors = factors_of(options);
+  if (!options.output.empty()) check_output_file(options.output);
+  const Plan plan = make_plan(stack, walk_limits(options));
+  const std::vector<Direction> directions = incident_directions(options, stack);
+  check_estimator(stack, options);  // the solver does not apply
+  const Estimator estimator =
+      options.estimator == "next-event" ? Estimator::next_event : Estimator::analog;
+  const Stack profile = homogenised(stack, plan.grids);
+  if (!options.output.empty())
+    write_file(options.output,
+               fmt::format("# {} with depth profiles in the place of its grids\n\n", stack.name) +
+                   to_toml(profile));
+
+  std::FILE* out = table_stream(options);
+  Json answer = json_header("homogenise", stack, options);
+  answer["estimator"] = to_text(estimator);
+  answer["homogenised"] = lamella::to_json(profile);
+  Json list = Json::array();
+  for (const double factor : factors) {
+    const Grids grids = scaled(stack, plan.grids, factor);
+    const Plan grid_plan = make_plan(stack, walk_limits(options), grids);
+    const Stack layers = homogenised(stack, grids);
+    Plan layer_plan = make_plan(layers, walk_limits(options));
+    // The same cells and channels as the grid's.
+    layer_plan.isa = isa_of(options);
+    layer_plan.folded = false;
+    layer_plan.channels = grid_plan.channels;
+    Json contrasts = Json::array();
+    if (!options.quiet)
+      fmt::print(out, "{}{}: {} homogeneous layers instead, {} estimator, seed {}\n", stack.name,
+                 factor == 1 ? "" : fmt::format(" with {} of its contrast", to_text(factor)),
+                 layers.layers.size(), to_text(estimator), options.seed);
+    for (std::size_t k = 0; k < grids.size(); ++k) {
+      if (!grids[k]) continue;
+      const LateralContrast c = lateral_contrast(*grids[k]);
+      contrasts.push_back(
+          {{"layer", k}, {"voxel", c.voxel}, {"column", c.column}, {"filled", c.filled}});
+      if (!options.quiet)
+        fmt::print(
+            out,
+            "  layer {}, {}: lateral contrast {:.3f} between voxels, {:.3f} between columns; "
+            "{:.1f} % of the voxels filled\n",
+            k, stack.layers[k].grid->file, c.voxel, c.column, 100 * c.filled);
+    }
+    std::vector<LobeDifference> lobes;
+    for (const Direction wi : directions) {
+      const std::string label = fmt::format("theta_i {:g}", theta_degrees(wi));
+      const CellGrid cells = parse_grid(options.grid);
+      Simulation grid(stack, grid_plan, wi, estimator, cells, options.seed);
+      const RunResult done = run_with_progress(grid, options, label);
+      if (interrupted) break;
+      // As many walks, of another seed: a difference of batches is one of independent numbers.
+      Simulation homogeneous(layers, layer_plan, wi, estimator, cells, options.seed + 1);
+      homogeneous.advance(done.walks);
+      for (LobeDifference& l : differences(grid, homogeneous)) lobes.push_back(std::move(l));
+    }
+    decide(lobes);
+    Json entries = Json::array();
+    if (!options.quiet)
+      fmt::print(out, "  {:>7} {:>9} {:>5} {:>10} {:>8} {:>10} {:>8} {:>9} {:>9} {:>9}  {}\n",
+                 "theta_i", "side", "order", "grid", "+-", "layers", "+-", "energy", "rel. RMSE",
+                 "p", "verdict");
+    for (const LobeDifference& l : lobes) {
+      if (!options.quiet) print(out, l);
+      entries.push_back(to_json(l));
+    }
+    list.push_back({{"contrast_factor", factor},
+                    {"layers", layers.layers.size()},
+                    {"contrast", std::move(contrasts)},
+                    {"lobes", std::move(entries)}});
+    if (interrupted) break;
+  }
+  if (!options.quiet && !options.output.empty()) fmt::print(out, "wrote {}\n", options.output);
+  answer["interrupted"] = interrupted.load();
+  answer["comparisons"] = std::move(list);
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella

@@ -1,0 +1,186 @@
+#include <fmt/format.h>
+
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+
+#include "analytic/catalogue/model_plugin.h"
+#include "compare/command/closed_form_command.h"
+#include "compare/fit/albedo_inversion.h"
+#include "compare/report/json_report.h"
+#include "compare/request/model_request.h"
+#include "compare/request/substrate_model.h"
+#include "compare/truth/ground_truth.h"
+#include "phase/stack/builtin_stacks.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+constexpr double kModelTolerance = 1e-9;
+constexpr CellGrid kTotalsGrid{4, 8, false};
+
+// A colour as it is seen: from one direction, or (Bond) under light from everywhere.
+struct Lighting {
+  std::vector<std::pair<Direction, double>> directions;  // with weights that sum to 1
+};
+
+Lighting lighting_of(const Options& options, const ClosedFormOptions& closed, const Stack* stack) {
+  if (closed.bond) {
+    Lighting all;
+    using Rule = boost::math::quadrature::gauss<double, 8>;
+    for (std::size_t k = 0; k < Rule::abscissa().size(); ++k)
+      for (const double sign : {-1.0, 1.0}) {
+        const double mu = (1 + sign * Rule::abscissa()[k]) / 2;
+        all.directions.emplace_back(direction_from_mu_phi(mu, 0), mu * Rule::weights()[k]);
+      }
+    return all;
+  }
+  if (options.incident.empty()) return {{{Direction{0, 0, 1}, 1.0}}};
+  if (options.incident.size() > 1)
+    throw UsageError(
+        fmt::format("--wi: found {} directions; allowed: one", options.incident.size()));
+  return {{{incident_directions(options, stack ? *stack : Stack{}).front(), 1.0}}};
+}
+
+KeyValues split(const std::vector<std::string>& words) {
+  KeyValues values;
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::size_t equals = words[k].find('=');
+    if (equals == std::string::npos)
+      throw UsageError(fmt::format("{}: found \"{}\"; allowed: key=value", words[0], words[k]));
+    values.emplace_back(words[k].substr(0, equals), words[k].substr(equals + 1));
+  }
+  return values;
+}
+
+Rgb take_color(KeyValues& values, const std::string& what) {
+  const ParameterInfo info{
+      .name = "color", .kind = ParameterKind::color, .unit = "1", .doc = "", .min = 0, .max = 1};
+  for (auto it = values.begin(); it != values.end(); ++it)
+    if (it->first == "color") {
+      const std::string text = it->second;
+      values.erase(it);
+      try {
+        return std::get<Rgb>(parse_value(info, text));
+      } catch (const ParameterError& error) {
+        throw UsageError(fmt::format("{}: {}", what, error.what()));
+      }
+    }
+  throw UsageError(
+      fmt::format("{}: key \"color\": found nothing; allowed: {}", what, allowed_values(info)));
+}
+
+std::string text_of(Rgb c) {
+  std::string text = to_text(ParameterValue(c));
+  std::erase_if(text, [](char x) { return x == '[' || x == ']' || x == ' '; });
+  return text;
+}
+
+struct Answer {
+  AlbedoInversion inversion;
+  Rgb standard_error;  // of the albedo, from a simulation's noise
+};
+
+Answer invert_model(const std::string& name, const ModelInfo& info, const KeyValues& values,
+                    Rgb target, const Options& options, const ClosedFormOptions& closed) {
+  if (!find(info.parameters, "albedo"))
+    throw UsageError(fmt::format(
+        "invert: found \"{}\", which has no albedo; allowed: a model with one, or a stack", name));
+  for (const auto& [key, value] : values)
+    if (key == "albedo")
+      throw UsageError(fmt::format(
+          "{}: key \"albedo\": found {}; allowed: nothing, it is looked for", name, value));
+  const Lighting lighting = lighting_of(options, closed, nullptr);
+  const auto color = [&](Rgb albedo) {
+    ModelRequest request{name, values};
+    request.values.emplace_back("albedo", text_of(albedo));
+    const BoundModel bound = bind_model(request, nullptr);
+    Rgb sum;
+    for (const auto& [wi, weight] : lighting.directions)
+      sum += weight * bound.model->albedo(with_grazing_limit(wi));
+    return sum;
+  };
+  return {invert_albedo(color, target, kModelTolerance), Rgb()};
+}
+
+Answer invert_stack(const Stack& stack, Rgb target, const Options& options,
+                    const ClosedFormOptions& closed) {
+  const Lighting lighting = lighting_of(options, closed, &stack);
+  Options at = options;
+  at.incident.clear();
+  for (const auto& [wi, weight] : lighting.directions)
+    at.incident.push_back(fmt::format("{:.17g},{:.17g}", theta_degrees(wi), phi_degrees(wi)));
+  Rgb variance;
+  const auto color = [&](Rgb albedo) {
+    Stack with = stack;
+    for (Layer& layer : with.layers) layer.albedo = albedo;
+    // Walks are the same for every albedo: the colour is smooth in it but for what roulette ends.
+    GroundTruth truth(with, at, kTotalsGrid, Estimator::analog);
+    Rgb sum;
+    variance = Rgb();
+    for (std::size_t k = 0; k < lighting.directions.size(); ++k) {
+      const RunResult run = truth.find(k).run;
+      const double weight = lighting.directions[k].second;
+      for (int c = 0; c < 3; ++c) {
+        const Estimate e = run.reflected.total[run.channels == 3 ? c : 0];
+        sum[c] += weight * e.value;
+        variance[c] += std::pow(weight * e.standard_error, 2);
+      }
+    }
+    return sum;
+  };
+  // Closer than the noise is no use.
+  Answer answer{invert_albedo(color, target, 1e-5), Rgb()};
+  for (int c = 0; c < 3; ++c)
+    answer.standard_error[c] = std::sqrt(variance[c]) / answer.inversion.slope[c];
+  return answer;
+}
+
+}  // namespace
+
+int invert_command(const Options& options, const ClosedFormOptions& closed,
+                   const std::vector<std::string>& words) {
+  const std::string& what = words[0];
+  KeyValues values = split(words);
+  const Rgb target = take_color(values, what);
+  const ModelInfo* info =
+      what.ends_with(".so") || find_model(what) ? find_or_load_model(what) : nullptr;
+  Answer answer;
+  try {
+    if (info) {
+      answer = invert_model(what, *info, values, target, options, closed);
+    } else {
+      const Stack stack = with_surface_model(load_stack(what));
+      if (!values.empty())
+        throw UsageError(
+            fmt::format("{}: key \"{}\": unknown; allowed: color", what, values[0].first));
+      answer = invert_stack(stack, target, options, closed);
+    }
+  } catch (const UnreachableColor& error) {
+    throw UsageError(fmt::format("{}: key \"color\": {}", what, error.what()));
+  }
+  const AlbedoInversion& found = answer.inversion;
+  if (!options.quiet) {
+    std::FILE* out = table_stream(options);
+    fmt::print(out, "{}: albedo {} gives {}{} after {} evaluations\n", what, text_of(found.albedo),
+               text_of(found.reached),
+               answer.standard_error.max() > 0
+                   ? fmt::format(", +- {} of the albedo", text_of(answer.standard_error))
+                   : "",
+               found.evaluations);
+  }
+  const auto list = [](Rgb c) { return Json{c.r, c.g, c.b}; };
+  Json json = json_header("invert", options);
+  json["what"] = what;
+  json["color"] = list(target);
+  json["albedo"] = list(found.albedo);
+  json["reached"] = list(found.reached);
+  json["albedo_standard_error"] = list(answer.standard_error);
+  json["evaluations"] = found.evaluations;
+  write_json(json, options);
+  return kDone;
+}
+
+}  // namespace lamella

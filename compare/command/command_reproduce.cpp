@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/command/command.h"
+#include "compare/files/output_folder.h"
+#include "compare/report/json_report.h"
+#include "compare/reproduce/reproduction.h"
+#include "volume/grains/grain_scene.h"
+
+namespace lamella {
+
+using Json = nlohmann::ordered_json;
+
+const std::vector<Reproduction>& reproductions() {
+  static const std::vector<Reproduction> list{
+      {"vmf_figure_5",
+       "successively smaller spheres in a slab of one thickness, for two packings: the error of "
+       "vmf_diffuse falls to that of the medium",
+       "d'Eon and Weidlich 2024, VMF Diffuse, figure 5", 400000, reproduce_vmf_figure_5},
+      {"vmf_figure_6",
+       "slices of the hemisphere, first and second bounce: a deep sphere bed, vmf_diffuse at r = "
+       "0.4, a Beckmann height field at alpha = 1.4",
+       "d'Eon and Weidlich 2024, VMF Diffuse, figure 6", 400000, reproduce_vmf_figure_6},
+      {"lambert_sphere_dilute",
+       "a deep bed of Lambertian spheres approaches the Lambert-sphere medium and its BRDF as the "
+       "volume fraction falls",
+       "d'Eon 2021, Lambert-sphere BRDF, figures 1 and 12", 1000000,
+       reproduce_lambert_sphere_dilute},
+      {"micrograin_figure_4", "distances to the closest grain, and the filling factor",
+       "Lucas et al. 2023, Micrograin BSDF, figure 4", 1000000, reproduce_micrograin_figure_4},
+      {"micrograin_figure_5", "distribution of the grains' normals",
+       "Lucas et al. 2023, Micrograin BSDF, figure 5", 1000000, reproduce_micrograin_figure_5},
+      {"micrograin_figure_9", "visible filling factor",
+       "Lucas et al. 2023, Micrograin BSDF, figure 9", 1000000, reproduce_micrograin_figure_9},
+  };
+  return list;
+}
+
+int reproduce_command(const Options& options, const std::string& name) {
+  std::FILE* out = table_stream(options);
+  const auto& list = reproductions();
+  Json answer = json_header("reproduce", options);
+  if (name.empty()) {
+    answer["reproductions"] = Json::array();
+    for (const Reproduction& r : list) {
+      if (!options.quiet) fmt::print(out, "{:<24} {}\n{:<24} {}\n", r.name, r.doc, "", r.source);
+      answer["reproductions"].push_back({{"name", r.name}, {"doc", r.doc}, {"source", r.source}});
+    }
+    write_json(answer, options);
+    return kDone;
+  }
+  const auto found =
+      std::find_if(list.begin(), list.end(), [&](const Reproduction& r) { return r.name == name; });
+  if (found == list.end()) {
+    std::vector<std::string> names;
+    for (const Reproduction& r : list) names.push_back(r.name);
+    const std::string hint = suggestion(name, names);
+    throw UsageError(fmt::format("reproduction \"{}\": unknown{}; allowed: {}", name,
+                                 hint.empty() ? "" : ", " + hint, listed(names)));
+  }
+  GrainScene::require_available();
+  ReproductionContext context{.options = options,
+                              .table = options.quiet ? nullptr : out,
+                              .folder = options.output.empty() ? name : options.output,
+                              .walks = options.walks_given ? options.walks : found->walks};
+  make_output_folder(context.folder);
+  if (context.table) fmt::print(out, "{}: {}\n{}\n\n", found->name, found->source, found->doc);
+  catch_interrupts();
+  answer["name"] = name;
+  answer["source"] = found->source;
+  answer["walks"] = context.walks;
+  answer["rows"] = found->run(context);
+  answer["pictures"] = context.pictures;
+  if (context.table) {
+    fmt::print(out, "\nwrote {}/:", context.folder);
+    for (const std::string& picture : context.pictures) fmt::print(out, " {}", picture);
+    fmt::print(out, "\n");
+  }
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella

@@ -1,0 +1,187 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include "compare/command/command.h"
+#include "compare/report/json_report.h"
+#include "compare/report/lobe_files.h"
+#include "compare/request/model_request.h"
+#include "compare/request/substrate_model.h"
+#include "compare/truth/ground_truth.h"
+#include "phase/stack/stack_file.h"
+
+namespace lamella {
+namespace {
+
+// What a file says of the run that made it.
+struct RecordedRun {
+  Stack stack;
+  Options options;
+  Estimator estimator;
+  CellGrid grid;
+  std::vector<Direction> directions;
+  std::vector<std::uint64_t> walks;
+  std::string model;  // empty: the lobes of the truth alone
+};
+
+const std::string& attribute(const ExrImage& image, const std::string& path,
+                             const std::string& name) {
+  const auto found = image.attributes.find("lamella." + name);
+  if (found == image.attributes.end())
+    throw UsageError(
+        fmt::format("{}: found no attribute lamella.{}; allowed: a file of lobes that "
+                    "lamella simulate or compare wrote",
+                    path, name));
+  return found->second;
+}
+
+RecordedRun recorded_run(const ExrImage& image, const Options& given) {
+  const std::string& path = given.stack;
+  const auto text = [&](const std::string& name) { return attribute(image, path, name); };
+  const auto broken = [&](const std::string& name) {
+    return UsageError(fmt::format("{}: found lamella.{} = \"{}\"; allowed: what lamella writes",
+                                  path, name, text(name)));
+  };
+  const auto whole = [&](const std::string& name) {
+    const auto value = parse_whole_number(text(name));
+    if (!value) throw broken(name);
+    return *value;
+  };
+  RecordedRun recorded{
+      .stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name"))),
+      .options = given,
+      .estimator = Estimator::analog,
+      .grid = parse_grid(text("grid")),
+      .directions = {},
+      .walks = {},
+      .model = {}};
+  recorded.options.seed = whole("seed");
+  recorded.options.max_order = whole("max_order");
+  // Before there was thinning nothing was thinned.
+  recorded.options.thin_from = image.attributes.contains("lamella.thin_from")
+                                   ? static_cast<std::uint32_t>(whole("thin_from"))
+                                   : 0;
+  recorded.options.isa = text("isa");
+  recorded.options.estimator = text("estimator_asked");
+  recorded.options.target_error = recorded.options.seconds = std::nullopt;
+  bool known = false;
+  for (const Estimator e : {Estimator::analog, Estimator::next_event, Estimator::deterministic})
+    if (to_text(e) == text("estimator")) {
+      recorded.estimator = e;
+      known = true;
+    }
+  if (!known) throw broken("estimator");
+  if (recorded.estimator == Estimator::deterministic) {
+    const auto tolerance = parse_number(text("tolerance"));
+    if (!tolerance || !(*tolerance > 0)) throw broken("tolerance");
+    recorded.options.tolerance = *tolerance;
+    std::array<int, 3> modes{};
+    std::istringstream words(text("modes"));
+    for (int& count : modes)
+      if (!(words >> count) || count < 1) throw broken("modes");
+    recorded.options.solver_end = {static_cast<int>(whole("nodes")), modes};
+  }
+  std::istringstream directions(text("directions")), walks(text("walks"));
+  for (std::string word; directions >> word;) {
+    Direction w;
+    double* const parts[] = {&w.x, &w.y, &w.z};
+    std::size_t from = 0;
+    for (double* part : parts) {
+      const std::size_t comma = std::min(word.find(',', from), word.size());
+      const auto value = parse_number(word.substr(from, comma - from));
+      if (!value) throw broken("directions");
+      *part = *value;
+      from = std::min(comma + 1, word.size());
+    }
+    recorded.directions.push_back(w);
+  }
+  for (std::string word; walks >> word;) {
+    const auto value = parse_whole_number(word);
+    if (!value) throw broken("walks");
+    recorded.walks.push_back(*value);
+  }
+  if (recorded.directions.empty() || recorded.walks.size() != recorded.directions.size())
+    throw broken("walks");
+  if (const auto model = image.attributes.find("lamella.model"); model != image.attributes.end())
+    recorded.model = model->second;
+  return recorded;
+}
+
+ExrImage repeated(const RecordedRun& recorded) {
+  // Walks are repeated as they were, not chosen again; what asked for them is kept in the header.
+  Options options = recorded.options;
+  if (recorded.estimator != Estimator::deterministic)
+    options.estimator = to_text(recorded.estimator);
+  GroundTruth truth(recorded.stack, options, recorded.grid, recorded.estimator,
+                    recorded.directions);
+  std::optional<BoundModel> model;
+  if (!recorded.model.empty()) {
+    options.models = {recorded.model};
+    model = std::move(models_for(options, recorded.stack).front());
+  }
+  std::vector<RunResult> runs;
+  std::vector<LobeComparison> lobes;
+  for (std::size_t k = 0; k < recorded.directions.size(); ++k) {
+    const Truth found = truth.find(k, recorded.walks[k]);
+    runs.push_back(found.run);
+    if (interrupted) throw UsageError("interrupted: nothing is said of the file");
+    if (!model) continue;
+    for (LobeComparison& l : judge(found, truth.plan(), *model)) lobes.push_back(std::move(l));
+  }
+  return model ? comparison_image(recorded.stack, runs, lobes, recorded.options, recorded.model)
+               : simulation_image(recorded.stack, runs, recorded.options);
+}
+
+}  // namespace
+
+int rerun_command(const Options& options) {
+  ExrImage was = read_exr(options.stack);
+  ExrImage is = repeated(recorded_run(was, options));
+  const auto by_name = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::sort(was.channels.begin(), was.channels.end(), by_name);
+  std::sort(is.channels.begin(), is.channels.end(), by_name);
+  std::vector<std::string> differences;
+  for (const auto& [name, value] : was.attributes) {
+    const auto found = is.attributes.find(name);
+    if (found == is.attributes.end() || found->second != value)
+      differences.push_back("attribute " + name);
+  }
+  double largest = 0;
+  for (const auto& [name, values] : was.channels) {
+    const auto found = std::find_if(is.channels.begin(), is.channels.end(),
+                                    [&, &n = name](const auto& c) { return c.first == n; });
+    if (found == is.channels.end() || found->second.size() != values.size()) {
+      differences.push_back("channel " + name);
+      continue;
+    }
+    if (std::memcmp(found->second.data(), values.data(), values.size() * sizeof(float)) == 0)
+      continue;
+    differences.push_back("channel " + name);
+    for (std::size_t k = 0; k < values.size(); ++k)
+      largest = std::max(largest, std::abs(static_cast<double>(values[k]) - found->second[k]));
+  }
+  if (!options.output.empty()) write_exr(options.output, is);
+  std::FILE* out = table_stream(options);
+  if (!options.quiet) {
+    if (differences.empty())
+      fmt::print(out, "{}: the same bit for bit: {} channels\n", options.stack,
+                 was.channels.size());
+    else
+      fmt::print(out, "{}: differs in {} places, first {}; largest difference of a value {:g}\n",
+                 options.stack, differences.size(), differences.front(), largest);
+    if (!options.output.empty()) fmt::print(out, "wrote {}\n", options.output);
+  }
+  write_json({{"format", 1},
+              {"command", "rerun"},
+              {"version", LAMELLA_VERSION},
+              {"same", differences.empty()},
+              {"differences", differences},
+              {"largest_difference", largest}},
+             options);
+  return differences.empty() ? kDone : kFailed;
+}
+
+}  // namespace lamella

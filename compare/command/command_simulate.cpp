@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include "compare/command/command.h"
+#include "compare/files/output_folder.h"
+#include "compare/report/json_report.h"
+#include "compare/report/lobe_files.h"
+#include "compare/truth/ground_truth.h"
+
+namespace lamella {
+namespace {
+
+std::string with_error(const std::array<Estimate, 3>& e, const RunResult& run) {
+  double error = 0;
+  std::string text;
+  for (int c = 0; c < run.channels; ++c) {
+    error = std::max(error, e[c].standard_error);
+    text += fmt::format("{}{:.{}f}", c ? " " : "", e[c].value, run.is_bounded() ? 9 : 5);
+  }
+  return text + fmt::format(" +- {:.1g}", error);
+}
+
+std::string cost_of(const RunResult& run) {
+  if (!run.is_bounded()) return fmt::format("{} walks, {} collisions", run.walks, run.collisions);
+  const DeterministicAccuracy& a = *run.accuracy;
+  return fmt::format("{} nodes, {} modes, cells within {:.1e}", a.nodes, a.modes, a.error);
+}
+
+void print_run(std::FILE* out, const RunResult& run) {
+  fmt::print(out, "theta_i {:g}, phi_i {:g}: {}, {:.2f} s\n", theta_degrees(run.incident),
+             phi_degrees(run.incident), cost_of(run), run.seconds);
+  for (const bool reflected : {true, false}) {
+    const SideResult& side = reflected ? run.reflected : run.transmitted;
+    // The solver leaves less than its rounding at the bottom of a half space.
+    if (!reflected && side.total[0].value < 1e-12 && side.lobes[0].value.empty()) continue;
+    fmt::print(out, "  {:<12} {}\n", reflected ? "reflected" : "transmitted",
+               with_error(side.total, run));
+    static const char* const names[] = {"order 1", "order 2", "order 3", "order 4+"};
+    for (int o = 0; o < kTallyOrders; ++o)
+      fmt::print(out, "    {:<10} {}\n", names[o], with_error(side.orders[o], run));
+    if (side.specular[0].value > 0)
+      fmt::print(out, "    {:<10} {}\n", "specular", with_error(side.specular, run));
+  }
+  fmt::print(out, "  {:<12} {}\n", "uncollided", with_error(run.uncollided, run));
+  fmt::print(out, "  {:<12} {}\n", "absorbed", with_error(run.absorbed, run));
+  fmt::print(out, "  {:<12} {}\n", "unresolved", with_error(run.unresolved, run));
+  if (run.thinning.is_on())
+    fmt::print(out,
+               "  {:<12} {}: from the {}th event on half of the walks end, the others count "
+               "double\n",
+               "thinned", with_error(run.thinned, run), run.thinning.first);
+  if (run.holes > 0)
+    fmt::print(out, "  {:<12} {} rays began inside of a grain: please report it\n", "holes",
+               run.holes);
+}
+
+}  // namespace
+
+int simulate_command(const Options& options) {
+  const Stack stack = stack_of(options);
+  GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
+  if (!options.output.empty()) check_output_file(options.output);
+  std::vector<RunResult> runs;
+  for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
+  std::FILE* out = table_stream(options);
+  if (!options.quiet) {
+    fmt::print(out, "{}: {}, energies as fractions of the incident light{}\n", stack.name,
+               estimator_text(truth.choice(), options),
+               truth.plan().channels == 3 ? " (r g b)" : "");
+    for (const RunResult& run : runs) print_run(out, run);
+    if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
+  }
+  if (!options.output.empty()) {
+    write_exr(options.output, simulation_image(stack, runs, options));
+    if (!options.quiet) fmt::print(out, "wrote {}\n", options.output);
+  }
+  nlohmann::ordered_json answer = json_header("simulate", stack, options);
+  std::uint64_t collisions = 0;
+  double seconds = 0;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const RunResult& run : runs) {
+    collisions += run.collisions;
+    seconds += run.seconds;
+    list.push_back(to_json(run));
+  }
+  add_choice(answer, truth.choice(), options);
+  answer["walks"] = runs.front().walks;
+  answer["collisions"] = collisions;
+  answer["seconds"] = seconds;
+  answer["interrupted"] = interrupted.load();
+  answer["runs"] = std::move(list);
+  write_json(answer, options);
+  return kDone;
+}
+
+}  // namespace lamella

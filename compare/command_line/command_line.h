@@ -1,0 +1,50 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/command/closed_form_command.h"
+#include "compare/options/options.h"
+
+namespace lamella {
+
+/// The commands of the program as the parser knows them, and what their options and arguments fill.
+struct CommandLine {
+  CommandLine();
+  CommandLine(const CommandLine&) = delete;  // the parser points into it
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  CLI::App app;
+  Options options{};
+  ClosedFormOptions closed{};
+  std::string walks{};               ///< as typed
+  std::string word{};                ///< the one argument of commands that take one word
+  std::vector<std::string> words{};  ///< the arguments of commands that take several
+  bool sweep_parameters = false;     ///< furnace --sweep
+
+  /// Adds a command. `example`: a shell line that works as it stands, shown by --help, and run by a
+  /// test; `run`: does it, and returns the exit status.
+  CLI::App& add(const std::string& name, const std::string& doc, const std::string& example,
+                std::function<int()> run);
+
+  /// Reads the arguments. Throws UsageError; the exit status where --help or --version ends the
+  /// program.
+  [[nodiscard]] std::optional<int> parse(int argc, char** argv);
+
+  /// Does what the command that was given does, with as many threads as were asked for.
+  [[nodiscard]] int run() const;
+
+ private:
+  std::vector<std::pair<const CLI::App*, std::function<int()>>> runs_{};
+};
+
+/// What there is, in the order of the overview: about stacks, closed forms, files.
+void define_stack_commands(CommandLine& line);
+void define_model_commands(CommandLine& line);
+void define_file_commands(CommandLine& line);
+
+}  // namespace lamella

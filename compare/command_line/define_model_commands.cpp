@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include "compare/command/command.h"
+#include "compare/command_line/option_definitions.h"
+
+namespace lamella {
+namespace {
+
+void define_eval(CommandLine& line) {
+  CLI::App& command = line.add("eval", "Values of a model at direction pairs, as CSV",
+                               "printf 'mu_i,phi_i,mu_o,phi_o\\n0.5,0,0.8,90\\n' | lamella eval "
+                               "lambert albedo=0.5 --pairs -",
+                               [&] { return eval_command(line.options, line.words); });
+  command.add_option("MODEL", line.words, "Model or medium (see README), then key=value...")
+      ->required()
+      ->expected(1, -1);
+  command.add_option("--pairs", line.options.pairs, "CSV of direction pairs, - for stdin")
+      ->required()
+      ->type_name("FILE");
+  add_walks(command, line, "Walks per incident direction, of truth");
+  add_walk_limits(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+}
+
+void define_accuracy(CommandLine& line) {
+  CLI::App& command =
+      line.add("accuracy", "How far every closed form is from the truth, as a Markdown table",
+               "lamella accuracy --quick", [&] { return accuracy_command(line.options); });
+  add_tolerance(command, line);
+  command.add_flag("--quick", line.options.quick, "One stack of each family");
+  add_json(command, line);
+}
+
+void define_bench(CommandLine& line) {
+  CLI::App& command = line.add("bench", "Speed against error, with baselines",
+                               "lamella bench --quick --json bench.json",
+                               [&] { return bench_command(line.options); });
+  add_seed(command, line);
+  add_threads(command, line, "Threads of the scaling row");
+  add_isa(command, line);
+  command.add_flag("--quick", line.options.quick, "Every row in a few seconds: noisy");
+  command.add_option("--only", line.options.only, "A part of it, repeatable (default: all)")
+      ->transform(one_of(bench_parts()))
+      ->type_name(fmt::format("{}", fmt::join(bench_parts(), "|")))
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--solver-seconds", line.options.solver_seconds,
+                  "Seconds of one row of the solver: a finer solution is begun only if it would "
+                  "end within them (default: 15, with --quick 0.2)")
+      ->transform(positive_number())
+      ->type_name("S");
+  add_json(command, line);
+  add_html(command, line);
+}
+
+void define_samplers(CommandLine& line) {
+  CLI::App& command = line.add("samplers", "Variance and largest weight of models' samplers",
+                               "lamella samplers --model eon,roughness=1,sampler=cltc --wo 80",
+                               [&] { return samplers_command(line.options, line.closed); });
+  add_model(command, line, "A model, repeatable (default: EON's and VMF Diffuse's samplers)");
+  command
+      .add_option("--wo", line.closed.outgoing,
+                  "THETA of w_o in degrees, repeatable (default 0 to 89)")
+      ->type_name("THETA")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--samples", line.closed.samples, "Draws per direction (default 100000)")
+      ->transform(whole_number(2, 1000000000000))
+      ->type_name("N");
+  add_seed(command, line);
+  add_json(command, line);
+}
+
+void define_fit(CommandLine& line) {
+  CLI::App& command = line.add("fit", "SpongeCake's two further lobes for a stack",
+                               "lamella fit sggx_slab --walks 1e5",
+                               [&] { return fit_command(line.options, line.closed); });
+  command.add_option("STACK", line.options.stack,
+                     "TOML file, - for stdin, or a built-in stack of SGGX mirror flakes and "
+                     "Henyey-Greenstein layers, four at most");
+  add_walks(command, line, "Walks per incident direction");
+  add_walk_limits(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  command
+      .add_option("--sampling", line.closed.sampling,
+                  "Instead: sampling lobes of a closed form with a roughness, as C++")
+      ->type_name("NAME[,key=value...]");
+  add_output(command, line, "FILE", "Write what was fitted to FILE");
+  add_json(command, line);
+}
+
+void define_invert(CommandLine& line) {
+  CLI::App& command = line.add("invert", "The single-scattering albedo that gives a colour",
+                               "lamella invert vmf_diffuse color=0.8,0.4,0.2 roughness=0.5", [&] {
+                                 return invert_command(line.options, line.closed, line.words);
+                               });
+  command
+      .add_option("WHAT", line.words,
+                  "Model, or stack (all its layers get the albedo), then color=R,G,B or one number "
+                  "and the model's key=value...")
+      ->required()
+      ->expected(1, -1);
+  command
+      .add_option("--wi", line.options.incident,
+                  "THETA[,PHI] of the light in degrees: the colour is the directional albedo there "
+                  "(default 0)")
+      ->type_name("THETA[,PHI]");
+  command.add_flag("--bond", line.closed.bond, "Light from everywhere instead: the Bond albedo");
+  add_walks(command, line, "Walks per evaluation, of a stack");
+  add_walk_limits(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_json(command, line);
+}
+
+void define_list(CommandLine& line, const std::string& name, const std::string& doc,
+                 int (*run)(const Options&)) {
+  add_json(line.add(name, doc, "lamella " + name, [&line, run] { return run(line.options); }),
+           line);
+}
+
+}  // namespace
+
+void define_model_commands(CommandLine& line) {
+  define_eval(line);
+  define_accuracy(line);
+  define_bench(line);
+  define_samplers(line);
+  define_fit(line);
+  define_invert(line);
+  define_list(line, "models", "The closed forms: parameters, lobes, source", models_command);
+  define_list(line, "media", "The media: keys, ranges, units, source", media_command);
+  define_list(line, "stacks", "The built-in stacks", stacks_command);
+}
+
+}  // namespace lamella

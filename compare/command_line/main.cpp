@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include "compare/command_line/command_line.h"
+#include "compare/files/output_folder.h"
+
+namespace {
+
+int run_program(int argc, char** argv) {
+  lamella::CommandLine line;
+  const std::optional<int> over = line.parse(argc, argv);
+  const int status = over ? *over : line.run();
+  if (std::fflush(stdout) != 0)
+    throw lamella::OutputError(fmt::format("cannot write stdout: {}", std::strerror(errno)));
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto fail = [](const std::exception& error, int status) {
+    fmt::print(stderr, "lamella: {}\n", error.what());
+    return status;
+  };
+  try {
+    return run_program(argc, argv);
+  } catch (const lamella::NonFiniteError& error) {
+    return fail(error, lamella::kInvalidNumbers);
+  } catch (const std::domain_error& error) {
+    return fail(error, lamella::kInvalidNumbers);
+  } catch (const std::exception& error) {
+    return fail(error, lamella::kUsage);
+  }
+}

@@ -1,0 +1,198 @@
+#include "compare/command_line/option_definitions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "phase/stack/stack_file.h"
+
+namespace lamella {
+
+CLI::Validator positive_number() {
+  return {[](std::string& text) {
+            const auto value = parse_number(text);
+            if (value && *value > 0 && std::isfinite(*value)) return std::string();
+            return fmt::format("found \"{}\"; allowed: a number in (0, inf)", text);
+          },
+          ""};
+}
+
+CLI::Validator number_from_zero() {
+  return {[](std::string& text) {
+            const auto value = parse_number(text);
+            if (value && *value >= 0) return std::string();
+            return fmt::format("found \"{}\"; allowed: a number in [0, inf]", text);
+          },
+          ""};
+}
+
+CLI::Validator whole_number(std::uint64_t from, std::uint64_t to) {
+  return {[from, to](std::string& text) {
+            const auto value = parse_whole_number(text);
+            if (!value || *value < from || *value > to)
+              return fmt::format("found \"{}\"; allowed: a whole number from {} to {}", text, from,
+                                 to);
+            text = fmt::format("{}", *value);
+            return std::string();
+          },
+          ""};
+}
+
+CLI::Validator power_of_two_or_none() {
+  static constexpr std::uint64_t kMost = 1 << 20;
+  return {[](std::string& text) {
+            const auto value = parse_whole_number(text);
+            if (!value || *value > kMost || (*value & (*value - 1)) != 0)
+              return fmt::format("found \"{}\"; allowed: 0, or a power of two up to {}", text,
+                                 kMost);
+            text = fmt::format("{}", *value);
+            return std::string();
+          },
+          ""};
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return {[words](std::string& text) {
+            if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+            const std::string hint = suggestion(text, words);
+            return fmt::format("found \"{}\"{}; allowed: {}", text, hint.empty() ? "" : ", " + hint,
+                               listed(words));
+          },
+          ""};
+}
+
+void add_stack(CLI::App& command, CommandLine& line) {
+  command.add_option("STACK", line.options.stack,
+                     "TOML file, - for stdin, or a built-in stack (lamella stacks)");
+}
+
+void add_json(CLI::App& command, CommandLine& line) {
+  command.add_option("--json", line.options.json, "Write the answer as JSON to FILE, - for stdout")
+      ->type_name("FILE");
+  command.add_flag("--quiet", line.options.quiet, "No table, no progress");
+}
+
+void add_html(CLI::App& command, CommandLine& line) {
+  command.add_option("--html", line.options.html, "Write the answer as a page to look at")
+      ->type_name("FILE.html");
+}
+
+void add_walks(CLI::App& command, CommandLine& line, const std::string& doc) {
+  command.add_option("--walks", line.walks, doc + " (default 1000000)")
+      ->transform(whole_number(kBatches, 1000000000000000))
+      ->type_name("N");
+}
+
+void add_walk_limits(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--max-order", line.options.max_order,
+                  fmt::format("Walks beyond it are cut and reported as unresolved (default {}, or "
+                              "{} where they are thinned, {} in colour)",
+                              kMaxOrder, kThinnedMaxOrder, kThinnedColorMaxOrder))
+      ->transform(whole_number(1, std::uint64_t{1} << 62))
+      ->type_name("K");
+  command
+      .add_option(
+          "--thin-from", line.options.thin_from,
+          "Thin long walks: after K events, a power of two, and every fourfold of that half "
+          "of them end, and the others count double; 0: never (default: 16 or later where "
+          "that pays, see explain)")
+      ->transform(power_of_two_or_none())
+      ->type_name("K");
+}
+
+void add_tolerance(CLI::App& command, CommandLine& line) {
+  command
+      .add_option(
+          "--tolerance", line.options.tolerance,
+          "Largest error of the deterministic solver, relative to the mean over the azimuth "
+          "(default 1e-6)")
+      ->transform(positive_number())
+      ->type_name("E");
+}
+
+void add_estimator(CLI::App& command, CommandLine& line) {
+  command.add_option("--estimator", line.options.estimator, "How light is counted (default auto)")
+      ->transform(one_of({"auto", "analog", "next-event", "deterministic"}))
+      ->type_name("auto|analog|next-event|deterministic");
+  add_tolerance(command, line);
+}
+
+void add_seed(CLI::App& command, CommandLine& line) {
+  command.add_option("--seed", line.options.seed, "Seed of the random numbers (default 1)")
+      ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+}
+
+void add_threads(CLI::App& command, CommandLine& line, const std::string& doc) {
+  command.add_option("--threads", line.options.threads, doc + " (default: all)")
+      ->transform(whole_number(1, 4096))
+      ->type_name("N");
+}
+
+void add_isa(CLI::App& command, CommandLine& line) {
+  command
+      .add_option(
+          "--isa", line.options.isa,
+          "Instruction set of the kernels (default auto: the widest of the machine, or what "
+          "LAMELLA_ISA names)")
+      ->transform(one_of({"auto", "scalar", "sse4", "avx2", "avx512"}))
+      ->type_name("auto|scalar|sse4|avx2|avx512");
+}
+
+void add_grid(CLI::App& command, CommandLine& line) {
+  command.add_option("--grid", line.options.grid, "Cells per hemisphere (default 16x32)")
+      ->type_name("MUxPHI");
+}
+
+void add_model(CLI::App& command, CommandLine& line, const std::string& doc) {
+  command.add_option("--model", line.options.models, doc)
+      ->type_name("NAME[,key=value...]")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void add_max_error(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--max-error", line.options.max_error,
+                  "Exit 1 if a model is farther off than this (see README)")
+      ->transform(number_from_zero())
+      ->type_name("E");
+}
+
+void add_output(CLI::App& command, CommandLine& line, const std::string& type,
+                const std::string& doc) {
+  command.add_option("-o,--output", line.options.output, doc)->type_name(type);
+}
+
+void add_run_options(CLI::App& command, CommandLine& line) {
+  add_stack(command, line);
+  command
+      .add_option("--wi", line.options.incident,
+                  "Incident direction THETA[,PHI] in degrees, repeatable; above 90: from below "
+                  "(default 0, 30, 60, 80)")
+      ->type_name("THETA[,PHI]")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_walks(command, line, "Walks per incident direction");
+  command
+      .add_option("--target-error", line.options.target_error,
+                  "Stop at this largest relative standard error of the lobe energies above 1e-3")
+      ->transform(positive_number())
+      ->type_name("E");
+  command
+      .add_option("--time", line.options.seconds,
+                  "Stop after S seconds per incident direction; the solver: in all")
+      ->transform(positive_number())
+      ->type_name("S");
+  add_walk_limits(command, line);
+  add_estimator(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+}
+
+}  // namespace lamella

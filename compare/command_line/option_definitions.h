@@ -1,0 +1,33 @@
+#pragma once
+
+#include "compare/command_line/command_line.h"
+
+namespace lamella {
+
+/// Checks of an option's text; they answer in the words of every other error. Whole numbers are
+/// handed on as digits.
+[[nodiscard]] CLI::Validator positive_number();
+[[nodiscard]] CLI::Validator number_from_zero();
+[[nodiscard]] CLI::Validator whole_number(std::uint64_t from, std::uint64_t to);
+[[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// Options that several commands share.
+void add_stack(CLI::App& command, CommandLine& line);
+void add_json(CLI::App& command, CommandLine& line);
+void add_html(CLI::App& command, CommandLine& line);
+void add_walks(CLI::App& command, CommandLine& line, const std::string& doc);
+void add_walk_limits(CLI::App& command, CommandLine& line);
+void add_tolerance(CLI::App& command, CommandLine& line);
+void add_estimator(CLI::App& command, CommandLine& line);
+void add_seed(CLI::App& command, CommandLine& line);
+void add_threads(CLI::App& command, CommandLine& line, const std::string& doc = "Threads");
+void add_isa(CLI::App& command, CommandLine& line);
+void add_grid(CLI::App& command, CommandLine& line);
+void add_model(CLI::App& command, CommandLine& line, const std::string& doc);
+void add_max_error(CLI::App& command, CommandLine& line);
+void add_output(CLI::App& command, CommandLine& line, const std::string& type,
+                const std::string& doc);
+/// Of commands that find the truth of a stack along incident directions.
+void add_run_options(CLI::App& command, CommandLine& line);
+
+}  // namespace lamella

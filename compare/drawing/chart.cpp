@@ -1,0 +1,143 @@
+#include "compare/drawing/chart.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "compare/drawing/canvas.h"
+#include "compare/files/output_folder.h"
+
+namespace lamella {
+namespace {
+
+constexpr int kWidth = 760, kHeight = 460, kLeft = 70, kTop = 58, kBottom = 46;
+constexpr int kPlotWidth = 470;
+constexpr Color kInk{40, 40, 40}, kFrame{120, 120, 120}, kGrid{228, 228, 228};
+// Okabe and Ito 2008: told apart by colour-blind eyes, too.
+constexpr Color kColors[] = {{0, 114, 178}, {213, 94, 0},   {0, 158, 115}, {204, 121, 167},
+                             {230, 159, 0}, {86, 180, 233}, {0, 0, 0}};
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void include(double v) {
+    if (!std::isfinite(v)) return;
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  /// Not empty, and with room.
+  void complete() {
+    if (!(low <= high)) low = 0, high = 1;
+    if (low == high) high = low + (low == 0 ? 1 : std::abs(low));
+  }
+  [[nodiscard]] double share(double v) const { return (v - low) / (high - low); }
+};
+
+/// A step of 1, 2 or 5 times a power of ten that gives four to ten of them.
+double step_of(const Range& range) {
+  const double rough = (range.high - range.low) / 6;
+  const double power = std::pow(10, std::floor(std::log10(rough)));
+  for (const double s : {1.0, 2.0, 5.0})
+    if (rough <= s * power) return s * power;
+  return 10 * power;
+}
+
+struct Plot {
+  Canvas canvas{kWidth, kHeight};
+  Range x, y;
+
+  [[nodiscard]] double column(double v) const { return kLeft + x.share(v) * kPlotWidth; }
+  [[nodiscard]] double row(double v) const {
+    return kHeight - kBottom - y.share(v) * (kHeight - kBottom - kTop);
+  }
+  void line(double x0, double y0, double x1, double y1, Color color, double width) {
+    const int steps = std::max(1, static_cast<int>(std::hypot(x1 - x0, y1 - y0) * 2));
+    for (int k = 0; k <= steps; ++k) {
+      const double t = static_cast<double>(k) / steps;
+      canvas.ring(x0 + t * (x1 - x0), y0 + t * (y1 - y0), 0, width, color);
+    }
+  }
+};
+
+void draw_axes(Plot& plot, const Chart& chart) {
+  const double dx = step_of(plot.x), dy = step_of(plot.y);
+  const int bottom = kHeight - kBottom;
+  for (double v = std::ceil(plot.x.low / dx - 1e-9) * dx; v <= plot.x.high + 1e-9 * dx; v += dx) {
+    const int at = static_cast<int>(plot.column(v));
+    plot.canvas.fill(at, kTop, 1, bottom - kTop, kGrid);
+    plot.canvas.text(at, bottom + 6, fmt::format("{:.6g}", std::abs(v) < 1e-9 * dx ? 0 : v),
+                     Font::small, Align::center, kInk);
+  }
+  for (double v = std::ceil(plot.y.low / dy - 1e-9) * dy; v <= plot.y.high + 1e-9 * dy; v += dy) {
+    const int at = static_cast<int>(plot.row(v));
+    plot.canvas.fill(kLeft, at, kPlotWidth, 1, kGrid);
+    plot.canvas.text(kLeft - 6, at - 6, fmt::format("{:.6g}", std::abs(v) < 1e-9 * dy ? 0 : v),
+                     Font::small, Align::right, kInk);
+  }
+  plot.canvas.outline(kLeft, kTop, kPlotWidth, bottom - kTop, kFrame);
+  plot.canvas.text(kLeft, 12, chart.title, Font::title, Align::left, kInk);
+  plot.canvas.text(kLeft, 34, chart.subtitle, Font::small, Align::left, kInk);
+  plot.canvas.text(kLeft + kPlotWidth / 2, kHeight - 20, chart.x_label, Font::small, Align::center,
+                   kInk);
+  plot.canvas.text_upwards(8, (kTop + bottom) / 2, chart.y_label, Font::small, kInk);
+}
+
+void draw_series(Plot& plot, const ChartSeries& s, Color color) {
+  for (std::size_t k = 0; k < s.x.size(); ++k) {
+    if (!std::isfinite(s.x[k]) || !std::isfinite(s.y[k])) continue;
+    const double x = plot.column(s.x[k]), y = plot.row(s.y[k]);
+    if (!s.error.empty() && std::isfinite(s.error[k]))
+      plot.line(x, plot.row(s.y[k] - s.error[k]), x, plot.row(s.y[k] + s.error[k]), color, 0.6);
+    if (s.dots)
+      plot.canvas.ring(x, y, 0, 2.6, color);
+    else if (k > 0 && std::isfinite(s.x[k - 1]) && std::isfinite(s.y[k - 1]))
+      plot.line(plot.column(s.x[k - 1]), plot.row(s.y[k - 1]), x, y, color, 0.9);
+  }
+}
+
+}  // namespace
+
+std::string draw_chart(const Chart& chart) {
+  Plot plot;
+  for (const ChartSeries& s : chart.series) {
+    if (s.x.size() != s.y.size() || (!s.error.empty() && s.error.size() != s.x.size()))
+      throw std::invalid_argument("a series of a chart with columns of different lengths");
+    for (std::size_t k = 0; k < s.x.size(); ++k) {
+      plot.x.include(s.x[k]);
+      plot.y.include(s.error.empty() ? s.y[k] : s.y[k] + s.error[k]);
+      plot.y.include(s.error.empty() ? s.y[k] : s.y[k] - s.error[k]);
+    }
+  }
+  if (chart.from_zero) plot.y.include(0);
+  plot.x.complete();
+  plot.y.complete();
+  plot.y.high += 0.04 * (plot.y.high - plot.y.low);
+  draw_axes(plot, chart);
+  const int legend = kLeft + kPlotWidth + 14;
+  int at = kTop + 4;
+  for (std::size_t k = 0; k < chart.series.size(); ++k) {
+    const ChartSeries& s = chart.series[k];
+    const Color color = kColors[k % std::size(kColors)];
+    draw_series(plot, s, color);
+    if (s.dots)
+      plot.canvas.ring(legend + 9, at + 6, 0, 2.6, color);
+    else
+      plot.line(legend, at + 6, legend + 18, at + 6, color, 0.9);
+    for (const std::string& part : wrapped(s.label, Font::small, kWidth - legend - 30)) {
+      plot.canvas.text(legend + 26, at, part, Font::small, Align::left, kInk);
+      at += text_height(Font::small) + 2;
+    }
+    at += 4;
+  }
+  return plot.canvas.png();
+}
+
+void write_chart(const std::filesystem::path& path, const Chart& chart) {
+  write_file(path, draw_chart(chart));
+}
+
+}  // namespace lamella

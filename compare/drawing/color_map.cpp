@@ -1,0 +1,39 @@
+#include "compare/drawing/color_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace lamella {
+namespace {
+
+constexpr std::array<std::uint32_t, 10> kViridis = {0x440154, 0x482878, 0x3e4a89, 0x31688e,
+                                                    0x26828e, 0x1f9e89, 0x35b779, 0x6dcd59,
+                                                    0xb4de2c, 0xfde725};
+constexpr std::array<std::uint32_t, 11> kBlueRed = {0x053061, 0x2166ac, 0x4393c3, 0x92c5de,
+                                                    0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582,
+                                                    0xd6604d, 0xb2182b, 0x67001f};
+
+Color interpolate(std::span<const std::uint32_t> points, double t) {
+  const double x = t * static_cast<double>(points.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(x), points.size() - 2);
+  const double fraction = x - static_cast<double>(i);
+  const auto mix = [&](int shift) {
+    const double a = (points[i] >> shift) & 0xff, b = (points[i + 1] >> shift) & 0xff;
+    return static_cast<std::uint8_t>(std::lround(a + fraction * (b - a)));
+  };
+  return {mix(16), mix(8), mix(0)};
+}
+
+}  // namespace
+
+Color viridis(double t) {
+  return interpolate(kViridis, std::isnan(t) ? 0 : std::clamp(t, 0.0, 1.0));
+}
+
+Color diverging_color(double t) {
+  return interpolate(kBlueRed, std::isnan(t) ? 0.5 : (std::clamp(t, -1.0, 1.0) + 1) / 2);
+}
+
+}  // namespace lamella

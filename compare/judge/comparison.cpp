@@ -1,0 +1,278 @@
+#include "compare/judge/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "compare/judge/statistics.h"
+
+namespace lamella {
+namespace {
+
+// Events that make a mean over batches near enough to normal for the tails that a report looks at.
+constexpr double kPooledEvents = 100;
+// Walks per batch below which differences between patches, where most noise cancels and rare walks
+// count, are too skew for Hotelling's test (at 50 it rejects 1 true slab in 10, at 200 none in 40).
+constexpr double kWalksPerBatch = 200;
+constexpr double kHiddenError = 0.1;
+
+BatchSums lobe_sums(const Simulation& truth, bool up, int order) {
+  const CellTargets& targets = truth.targets();
+  const int channels = truth.plan().channels, cells = targets.grid.cells();
+  const int count = targets.count();
+  BatchSums out;
+  for (const BatchTally& batch : truth.batches()) {
+    out.walks.push_back(static_cast<double>(batch.walks));
+    std::vector<double> row(static_cast<std::size_t>(channels) * cells);
+    for (int o = 0; o < kTallyOrders; ++o) {
+      if (order < kTallyOrders && o != order) continue;
+      for (int c = 0; c < channels; ++c)
+        for (int cell = 0; cell < cells; ++cell)
+          row[static_cast<std::size_t>(c) * cells + cell] +=
+              batch.f[(static_cast<std::size_t>(o) * channels + c) * count +
+                      target_of(targets, up, cell)];
+    }
+    out.sums.push_back(std::move(row));
+  }
+  return out;
+}
+
+// A few patches of the hemisphere, so that a broad difference shows that no single cell shows.
+std::vector<int> patches(const CellGrid& grid, int channels, int& count) {
+  const int rows = std::min(4, grid.rows());
+  const int columns = std::min(channels == 1 ? 4 : 2, grid.columns());
+  std::vector<int> group;
+  for (int c = 0; c < channels; ++c)
+    for (int row = 0; row < grid.rows(); ++row)
+      for (int column = 0; column < grid.columns(); ++column)
+        group.push_back((c * rows + row * rows / grid.rows()) * columns +
+                        column * columns / grid.columns());
+  count = channels * rows * columns;
+  return group;
+}
+
+std::vector<double> grouped_values(const std::vector<double>& values, const std::vector<int>& group,
+                                   int groups) {
+  std::vector<double> out(groups);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (group[k] >= 0) out[group[k]] += values[k];
+  return out;
+}
+
+// A stochastic model's parts are dealt to the truth's batches, each taking its part's deviation
+// from the mean of all: the means stay, their covariance becomes that of the difference.
+void add_noise(BatchSums& sums,
+               const std::vector<std::array<std::vector<double>, kOrders + 1>>& parts, int order) {
+  if (parts.empty()) return;
+  const std::size_t cells = parts[0][order].size(), batches = sums.sums.size();
+  std::vector<double> mean(cells);
+  for (const auto& part : parts)
+    for (std::size_t k = 0; k < cells; ++k)
+      mean[k] += part[order][k] / static_cast<double>(parts.size());
+  const double stretch =
+      std::sqrt(static_cast<double>(batches) / static_cast<double>(parts.size()));
+  for (std::size_t b = 0; b < batches; ++b)
+    for (std::size_t k = 0; k < cells; ++k)
+      sums.sums[b][k] -= sums.walks[b] * stretch * (parts[b % parts.size()][order][k] - mean[k]);
+}
+
+// The bounded truth in every one of so many batches.
+BatchSums same_in_batches(const std::vector<double>& values, std::size_t batches) {
+  return {std::vector<double>(batches, 1.0), std::vector<std::vector<double>>(batches, values)};
+}
+
+// Standard errors of a stochastic model's cells.
+std::vector<double> noise_of_parts(
+    const std::vector<std::array<std::vector<double>, kOrders + 1>>& parts, int order) {
+  if (parts.empty()) return {};
+  BatchSums sums = same_in_batches(std::vector<double>(parts[0][order].size()), parts.size());
+  add_noise(sums, parts, order);
+  return means_of(sums).standard_error;
+}
+
+// `bounds`: of the truth's cells, where it has such.
+double p_value_of(const BatchSums& sums, const std::vector<double>& model,
+                  const std::vector<double>& bounds, const CellGrid& grid, int channels) {
+  int patch_count = 0;
+  const std::vector<int> patch = patches(grid, channels, patch_count);
+  const BatchSums patched = grouped(sums, patch, patch_count);
+  const std::vector<double> patched_model = grouped_values(model, patch, patch_count);
+  // Patches that are seen too rarely are pooled like cells are.
+  const auto tests = [&](const BatchSums& s, const std::vector<double>& expected,
+                         const std::vector<double>& known, bool hotelling) {
+    const auto uncertainty = [](const std::vector<double>& values,
+                                const std::vector<double>& within) {
+      std::vector<double> out;
+      for (std::size_t k = 0; k < values.size(); ++k)
+        out.push_back(kProjectionTolerance * std::abs(values[k]) + within[k]);
+      return out;
+    };
+    const std::vector<int> group = pooled_groups(s, kPooledEvents);
+    const int groups = group.empty() ? 0 : 1 + *std::max_element(group.begin(), group.end());
+    if (groups == 0) {
+      // Hardly anything arrives: all that can be told is whether anything should. A walk adds at
+      // most 1 to the energy, so the chance that none arrives is at most exp(-expected energy).
+      const std::vector<int> one(s.quantities(), 0);
+      const Means mean = means_of(grouped(s, one, 1));
+      const std::vector<double> total = grouped_values(expected, one, 1);
+      if (mean.value[0] == 0)
+        return std::exp(-std::max(0.0, total[0]) * grid.projected_solid_angle() *
+                        std::accumulate(s.walks.begin(), s.walks.end(), 0.0) / channels);
+      return largest_deviation_p_value(
+          mean, total, uncertainty(total, grouped_values(known, one, 1)), s.batches());
+    }
+    const BatchSums pooled = grouped(s, group, groups);
+    const std::vector<double> pooled_expected = grouped_values(expected, group, groups);
+    const std::vector<double> known_to =
+        uncertainty(pooled_expected, grouped_values(known, group, groups));
+    return hotelling ? hotelling_p_value(pooled, pooled_expected, known_to)
+                     : largest_deviation_p_value(means_of(pooled), pooled_expected, known_to,
+                                                 s.batches());
+  };
+  const double fewest = *std::min_element(sums.walks.begin(), sums.walks.end());
+  const double broad = tests(patched, patched_model, grouped_values(bounds, patch, patch_count),
+                             fewest >= kWalksPerBatch);
+  const double local = tests(sums, model, bounds, false);
+  return std::min(1.0, 2 * std::min(broad, local));
+}
+
+// Whether each cell of the model is as near to the truth as the truth's bound and the accuracy of
+// the projection allow.
+bool is_within_bounds(const LobeComparison& l) {
+  double mean = 0;
+  for (const double m : l.model) mean += std::abs(m) / static_cast<double>(l.model.size());
+  for (std::size_t k = 0; k < l.truth.size(); ++k) {
+    const double projection =
+        kProjectionTolerance * std::max(std::abs(l.model[k]), kProjectionFloor * mean);
+    if (std::abs(l.model[k] - l.truth[k]) > l.standard_error[k] + projection) return false;
+  }
+  return true;
+}
+
+// Mean squared error that a bounded truth could hide.
+double hidden_by_bounds(const LobeComparison& l) {
+  double hidden = 0;
+  for (std::size_t k = 0; k < l.truth.size(); ++k) {
+    const double most = std::abs(l.model[k] - l.truth[k]) + l.standard_error[k];
+    hidden += most * most / static_cast<double>(l.truth.size());
+  }
+  return hidden;
+}
+
+}  // namespace
+
+std::string to_text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::agrees:
+      return "agrees";
+    case Verdict::differs:
+      return "differs";
+    case Verdict::insufficient:
+      break;
+  }
+  return "insufficient";
+}
+
+std::vector<double> LobeComparison::z() const {
+  std::vector<double> out(truth.size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double error = std::hypot(standard_error[k], model_error.empty() ? 0 : model_error[k]);
+    if (error > 0) out[k] = (model[k] - truth[k]) / error;
+  }
+  return out;
+}
+
+std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
+                                    const ProjectedLobes& model, bool reflected) {
+  std::vector<LobeComparison> lobes;
+  const SideResult& side = reflected ? run.reflected : run.transmitted;
+  const bool up = (run.incident.z > 0) == reflected;
+  const double solid_angle = run.grid.projected_solid_angle();
+  for (int o = 0; o <= kOrders; ++o) {
+    if (!model.has[o]) continue;
+    LobeComparison l;
+    l.wi = run.incident;
+    l.reflected = reflected;
+    l.order = static_cast<Order>(o);
+    l.truth = side.lobes[o].value;
+    l.standard_error = side.lobes[o].standard_error;
+    l.model = model.lobes[o];
+    l.model_error = noise_of_parts(model.parts, o);
+    l.bounded = !batches;
+    const std::size_t cells = run.grid.cells(), n = l.truth.size();
+    std::vector<int> channel_of(n);
+    for (std::size_t k = 0; k < n; ++k) channel_of[k] = static_cast<int>(k / cells);
+    BatchSums sums = batches ? lobe_sums(*batches, up, o) : BatchSums{};
+    const Means energy = batches
+                             ? means_of(grouped(sums, channel_of, run.channels))
+                             : Means{grouped_values(l.truth, channel_of, run.channels),
+                                     grouped_values(l.standard_error, channel_of, run.channels)};
+    const std::vector<double> model_energy = grouped_values(l.model, channel_of, run.channels);
+    for (int c = 0; c < run.channels; ++c) {
+      l.energy_truth.push_back(energy.value[c] * solid_angle);
+      l.energy_error.push_back(energy.standard_error[c] * solid_angle);
+      l.energy_model.push_back(model_energy[c] * solid_angle);
+    }
+    double squares = 0, noise = 0, model_noise = 0, truth_squares = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double d = l.model[k] - l.truth[k];
+      squares += d * d / n;
+      const double own = l.model_error.empty() ? 0 : l.model_error[k];
+      model_noise += own * own / n;
+      if (batches) noise += l.standard_error[k] * l.standard_error[k] / n;
+      truth_squares += l.truth[k] * l.truth[k] / n;
+      l.max_error = std::max(l.max_error, std::abs(d));
+      l.empty_cells += batches && l.standard_error[k] == 0;
+    }
+    const double truth_rms = std::sqrt(std::max(truth_squares - noise, 0.0));
+    const auto relative = [&](double x) {
+      return truth_rms > 0 ? x / truth_rms : x > 0 ? std::numeric_limits<double>::infinity() : 0;
+    };
+    l.rmse = std::sqrt(squares);
+    l.relative_rmse = relative(l.rmse);
+    l.rmse_without_noise = std::sqrt(std::max(squares - noise - model_noise, 0.0));
+    l.relative_rmse_without_noise = relative(l.rmse_without_noise);
+    if (batches || !model.parts.empty()) {
+      if (!batches) sums = same_in_batches(l.truth, model.parts.size());
+      add_noise(sums, model.parts, o);
+      const std::vector<double> bounds = batches ? std::vector<double>(n) : l.standard_error;
+      l.p_value = p_value_of(sums, l.model, bounds, run.grid, run.channels);
+    } else {
+      l.p_value = is_within_bounds(l) ? 1 : 0;
+    }
+    lobes.push_back(std::move(l));
+  }
+  return lobes;
+}
+
+void decide(const std::vector<LobeComparison*>& lobes) {
+  if (lobes.empty()) return;
+  const double level = -std::expm1(std::log1p(-kReportFalseAlarm) / lobes.size());
+  for (LobeComparison* l : lobes) {
+    if (l->p_value < level) {
+      l->verdict = Verdict::differs;
+      continue;
+    }
+    // How large a squared difference the noise could hide, two of its standard deviations up.
+    double fourth = 0, squares = 0, noise = 0;
+    const double n = static_cast<double>(l->truth.size());
+    for (std::size_t k = 0; k < l->truth.size(); ++k) {
+      const double variance = l->standard_error[k] * l->standard_error[k];
+      const double own = l->model_error.empty() ? 0 : l->model_error[k] * l->model_error[k];
+      const double both = (l->bounded ? 0 : variance) + own;
+      fourth += both * both;
+      noise += variance / n;
+      squares += l->truth[k] * l->truth[k] / n;
+    }
+    const double hidden =
+        l->bounded ? hidden_by_bounds(*l) + 2 * std::sqrt(2 * fourth) / n
+                   : l->rmse_without_noise * l->rmse_without_noise + 2 * std::sqrt(2 * fourth) / n;
+    const double truth = l->bounded ? squares : std::max(squares - noise, 0.0);
+    const bool nothing = squares == 0 && l->rmse == 0;
+    l->verdict = nothing || hidden <= kHiddenError * kHiddenError * truth ? Verdict::agrees
+                                                                          : Verdict::insufficient;
+  }
+}
+
+}  // namespace lamella

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/judge/projection.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+
+enum class Verdict { agrees, differs, insufficient };
+
+[[nodiscard]] std::string to_text(Verdict verdict);
+
+/// A closed form against the truth, on one lobe: one incident direction, side and order.
+/// Cells have equal projected solid angles, so plain means over cells are means over the lobe.
+struct LobeComparison {
+  Direction wi{};
+  bool reflected = true;
+  Order order = Order::all;
+  std::vector<double> energy_truth, energy_error, energy_model;  ///< per channel
+  double rmse = 0;                ///< root of the mean squared difference [1/sr], all channels
+  double relative_rmse = 0;       ///< over the root mean square of the truth; inf if that is 0
+  double rmse_without_noise = 0;  ///< with the variance of the noise removed, a stochastic model's
+                                  ///< own too; 0 if that exceeds it
+  double relative_rmse_without_noise = 0;
+  double max_error = 0;  ///< largest |difference| of a cell, noise included [1/sr]
+  double p_value = 1;    ///< of the hypothesis that model and truth are the same
+  int empty_cells = 0;   ///< of the truth: no standard error, pooled in the test
+  bool bounded = false;  ///< the truth has error bounds in place of standard errors, no noise
+  Verdict verdict = Verdict::agrees;
+
+  // The maps, [channel][cell].
+  std::vector<double> truth, standard_error, model;
+  std::vector<double> model_error;  ///< standard errors of a stochastic model; else empty
+
+  /// (model - truth) / the standard error of both; 0 in cells without one.
+  [[nodiscard]] std::vector<double> z() const;
+};
+
+/// Compares a projected model with every lobe it stands for and the lobe "all" of one run, of which
+/// `batches` holds the walks. Without batches the run has error bounds: the p-value is 1 where
+/// every cell of the model is within the bound and its own projection error, else 0, and there is
+/// no noise to remove. A stochastic model's noise is removed like the truth's, and counts in the
+/// p-value with its covariance over cells; against bounds the p-value is then a test's, each cell
+/// known to its bound. Verdicts are left at `agrees` until `decide` has seen all comparisons of a
+/// report.
+[[nodiscard]] std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
+                                                  const ProjectedLobes& model, bool reflected);
+
+/// Chance that a report with only true models calls one of them different.
+inline constexpr double kReportFalseAlarm = 0.01;
+
+/// Sets the verdicts: `differs` if the p-value is below the level that the report's lobes share
+/// (Sidak), `insufficient` if it is not but the noise, or the bound, could hide a relative RMSE of
+/// 10 %.
+void decide(const std::vector<LobeComparison*>& lobes);
+
+}  // namespace lamella

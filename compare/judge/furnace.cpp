@@ -1,0 +1,194 @@
+#include "compare/judge/furnace.h"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "volume/quadrature/quadrature.h"
+
+namespace lamella {
+namespace {
+
+// (mean / standard error)^2 below which a mean over batches is too skew to be judged.
+constexpr double kFewestEvents = 100;
+// Bound of an energy above which a furnace is not judged.
+constexpr double kWidestBound = 1e-3;
+
+double t_quantile(double level) {
+  return boost::math::quantile(complement(boost::math::students_t(kBatches - 1.0), level / 2));
+}
+
+// The energy of the cells, which are integrals over directions of their own, against the absorption
+// that the solver added up on its nodes.
+FurnaceRun judge_bounded(const RunResult& run, bool white) {
+  FurnaceRun furnace;
+  furnace.run = run;
+  for (int c = 0; c < run.channels; ++c) {
+    double energy = run.uncollided[c].value, bound = run.absorbed[c].standard_error;
+    for (const SideResult* side : {&run.reflected, &run.transmitted}) {
+      const LobeEstimate& all = side->lobes[kTallyOrders];
+      const std::size_t cells = all.value.size() / run.channels;
+      if (all.value.empty()) {  // the depth of a half space has no cells
+        energy += side->total[c].value;
+        bound += side->total[c].standard_error;
+      }
+      for (std::size_t k = c * cells; k < (c + 1) * cells; ++k) {
+        energy += run.grid.projected_solid_angle() * all.value[k];
+        bound += run.grid.projected_solid_angle() * all.standard_error[k];
+      }
+    }
+    furnace.energy[c] = {energy, bound};
+    furnace.expected[c] = 1 - run.absorbed[c].value;
+    FurnaceVerdict verdict = FurnaceVerdict::pass;
+    if (std::abs(energy - furnace.expected[c]) > bound + 1e-12 ||
+        (white && run.absorbed[c].value > bound + 1e-12))
+      verdict = FurnaceVerdict::fail;
+    else if (bound > kWidestBound)
+      verdict = FurnaceVerdict::inconclusive;
+    if (verdict == FurnaceVerdict::fail || furnace.verdict == FurnaceVerdict::pass)
+      furnace.verdict = verdict;
+  }
+  return furnace;
+}
+
+}  // namespace
+
+std::string to_text(FurnaceVerdict verdict) {
+  switch (verdict) {
+    case FurnaceVerdict::pass:
+      return "pass";
+    case FurnaceVerdict::fail:
+      return "fail";
+    case FurnaceVerdict::inconclusive:
+      break;
+  }
+  return "inconclusive";
+}
+
+FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool white,
+                         double level) {
+  if (!batches) return judge_bounded(run, white);
+  const Simulation& simulation = *batches;
+  FurnaceRun furnace;
+  furnace.run = run;
+  const CellTargets& targets = simulation.targets();
+  const std::size_t count = targets.count();
+  const double solid_angle = targets.grid.projected_solid_angle();
+  const double t = t_quantile(level);
+  // A closed form's sampler gives weights that are the albedo in the mean only.
+  const bool weighs = simulation.stack().substrate && simulation.stack().substrate->law;
+  for (int c = 0; c < run.channels; ++c) {
+    // The difference of the estimator and the ledger per batch: what both share cancels.
+    const auto seen = [&](const BatchTally& b) {
+      double sum = b.energy.uncollided[c] + b.energy.specular_up[c] + b.energy.specular_down[c];
+      for (int o = 0; o < kTallyOrders; ++o)
+        for (std::size_t k = 0; k < count; ++k)
+          sum += solid_angle * b.f[(static_cast<std::size_t>(o) * run.channels + c) * count + k];
+      return sum;
+    };
+    furnace.energy[c] = batch_estimate(simulation.batches(), seen);
+    const double unresolved = run.unresolved[c].value;
+    furnace.expected[c] = 1 - run.absorbed[c].value - unresolved - run.thinned[c].value;
+    const Estimate defect = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] + b.energy.thinned[c] -
+             static_cast<double>(b.walks);
+    });
+    const double noise = t * defect.standard_error + 1e-12;
+    // A sharp lobe that few walks hit: so few events that their mean is far from normal.
+    const double error = furnace.energy[c].standard_error;
+    const bool too_few =
+        furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
+    const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
+    FurnaceVerdict verdict = FurnaceVerdict::pass;
+    if ((std::abs(defect.value) > noise && !too_few) || (white && lost > 1e-12))
+      verdict = FurnaceVerdict::fail;
+    else if (unresolved > noise || too_few)
+      verdict = FurnaceVerdict::inconclusive;
+    if (verdict == FurnaceVerdict::fail || furnace.verdict == FurnaceVerdict::pass)
+      furnace.verdict = verdict;
+  }
+  return furnace;
+}
+
+RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, std::uint64_t walks,
+                             std::uint64_t seed, const std::atomic<bool>* interrupted) {
+  constexpr int kNodes = 16, kAzimuths = 16;
+  using Rule = boost::math::quadrature::gauss<double, kNodes>;
+  w = with_grazing_limit(w);
+  RadianceCheck check;
+  check.w = w;
+  const double s = stack.one_sidedness() * (w.z > 0 ? 1 : -1);
+  const StopRule rule{.walks = std::max<std::uint64_t>(walks / (2 * kNodes + 1), kBatches),
+                      .target_error = {},
+                      .seconds = {}};
+
+  Simulation along(stack, plan, w, Estimator::analog, CellGrid{1, 1, false}, seed);
+  lamella::run(along, rule, {}, interrupted);
+  const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
+    double sum = 0;
+    for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
+    return sum;
+  });
+  check.predicted = 1 + std::expm1(s) * (scattered.value + stack.uncollided(w));
+  check.predicted_error = std::abs(std::expm1(s)) * scattered.standard_error;
+
+  // L(w) = integral of f(w_i -> w) |mu_i| dw_i over both hemispheres, plus what comes straight
+  // through; in mu_i^2, where equal steps have equal weight. The azimuth is averaged by turning w:
+  // equal steps, which are spectrally accurate around the circle, of half of it by symmetry.
+  std::vector<Direction> turned;
+  for (int k = 0; k < kAzimuths; ++k)
+    turned.push_back(direction_from_mu_phi(w.z, kPi * (k + 0.5) / kAzimuths));
+  double variance = 0;
+  for (const double side : {1.0, -1.0})
+    for (int k = 0; k < kNodes; ++k) {
+      const int half = k / 2;
+      const double x = (k % 2 ? 1 : -1) * Rule::abscissa()[half];
+      const double mu = std::sqrt((x + 1) / 2), weight = Rule::weights()[half] / 2;
+      Simulation node(stack, plan, direction_from_mu_phi(side * mu, 0), turned, seed + k + 1);
+      lamella::run(node, rule, {}, interrupted);
+      const Estimate f = batch_estimate(node.batches(), [](const BatchTally& b) {
+        return std::accumulate(b.f.begin(), b.f.end(), 0.0) / kAzimuths;
+      });
+      check.measured += kPi * weight * f.value;
+      variance += kPi * weight * f.standard_error * kPi * weight * f.standard_error;
+    }
+  check.measured += stack.uncollided(-w);
+  check.standard_error = std::sqrt(variance);
+  return check;
+}
+
+RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w) {
+  w = with_grazing_limit(w);
+  RadianceCheck check;
+  check.w = w;
+  const Stack& stack = solution.stack();
+  const double along[] = {w.z};
+  const DeterministicEnergies entering = solution.energies(along)[0];
+  const double node_error = solution.accuracy().node_error + solution.accuracy().second_error;
+  const double through = entering.transmitted[kTallyOrders].r + entering.uncollided.r;
+  const double factor = std::expm1(stack.one_sidedness() * (w.z > 0 ? 1 : -1));
+  check.predicted = 1 + factor * through;
+  check.predicted_error =
+      std::abs(factor) * (node_error * through + std::abs(entering.sum().r - 1));
+
+  // L(w) = 2 pi times the integral of the mean of f over the azimuth times |mu_i|, from both sides.
+  double before = 0;
+  for (const int nodes : {24, 32}) {
+    const Quadrature rule = grazing_quadrature(nodes);
+    std::vector<double> mu_i(rule.points.begin(), rule.points.end());
+    for (int k = 0; k < nodes; ++k) mu_i.push_back(-mu_i[k]);
+    const DeterministicField field = solution.field(mu_i, along);
+    before = check.measured;
+    check.measured = stack.uncollided(-w);
+    for (std::size_t k = 0; k < mu_i.size(); ++k)
+      check.measured += 2 * kPi * rule.weights[static_cast<Eigen::Index>(k % nodes)] *
+                        std::abs(mu_i[k]) * field.mean(0, k, 0);
+  }
+  check.standard_error = std::abs(check.measured - before) + node_error * check.measured;
+  return check;
+}
+
+}  // namespace lamella

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+
+#include "volume/run/simulation.h"
+#include "volume/solver/deterministic.h"
+
+namespace lamella {
+
+enum class FurnaceVerdict { pass, fail, inconclusive };
+
+[[nodiscard]] std::string to_text(FurnaceVerdict verdict);
+
+/// The furnace of one incident direction: the energy that leaves, measured by what arrives at the
+/// targets, against the walk's own ledger.
+struct FurnaceRun {
+  RunResult run;
+  std::array<Estimate, 3> energy{};  ///< reflected + transmitted + uncollided, by the estimator
+  std::array<double, 3> expected{};  ///< 1 - absorbed - unresolved - thinned by the ledger
+  FurnaceVerdict verdict = FurnaceVerdict::pass;
+};
+
+/// A furnace judged: the energy that leaves must be 1 (with absorption kept: 1 less what the ledger
+/// says is absorbed) within the noise. What the order limit cut is missing: if it is more than the
+/// noise and the energy is short by no more than it, nothing can be said; nor where the estimator
+/// saw fewer than some 100 effective events (sharp lobes that few walks hit). `level`: the
+/// probability with which a true furnace may fail by chance. Without batches the run has error
+/// bounds: what its cells sum to must be 1 within them, and bounds above 1e-3 say nothing.
+[[nodiscard]] FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool white,
+                                       double level);
+
+/// A one-sided stack's second furnace: the radiance seen along w under uniform light of radiance 1
+/// from both sides.
+struct RadianceCheck {
+  Direction w{};
+  double measured = 0, standard_error = 0;
+  double predicted = 0, predicted_error = 0;  ///< 1 + (exp(+-S) - 1) T(w)
+};
+
+/// Measures that radiance by light from Gauss-Legendre directions over both hemispheres, and
+/// predicts it from the total transmittance of light entering along w reversed. For stacks that are
+/// open below, symmetric about z and white, without delta flakes. `walks` in all; `interrupted`,
+/// once set, ends each part early.
+[[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
+                                           std::uint64_t walks, std::uint64_t seed,
+                                           const std::atomic<bool>* interrupted = nullptr);
+
+/// The same from a solved stack, errors being bounds.
+[[nodiscard]] RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w);
+
+}  // namespace lamella

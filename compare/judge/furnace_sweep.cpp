@@ -1,0 +1,90 @@
+#include "compare/judge/furnace_sweep.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace lamella {
+namespace {
+
+constexpr double kCosines[] = {1, 0.9, 0.6, 0.3, 0.1, 0.02, 0};
+constexpr int kSteps = 5;
+// Ranges wider than this are not shapes: walks, seeds, factors without a scale.
+constexpr double kWidestRange = 100;
+
+bool is_white(const ParameterInfo& p) {
+  return p.name == "albedo" || p.name == "f0" || p.name == "bulk_albedo";
+}
+
+std::vector<ParameterValue> values_of(const ParameterInfo& p) {
+  if (is_white(p)) return {Rgb(1)};
+  const bool shape = p.kind == ParameterKind::number && !p.name.starts_with("bulk_") &&
+                     p.max - p.min <= kWidestRange && p.name != "ior";
+  if (shape) {
+    std::vector<ParameterValue> list;
+    for (int k = 0; k < kSteps; ++k) {
+      double x = p.min + (p.max - p.min) * k / (kSteps - 1);
+      if (x == p.max && p.max_open) x -= 1e-3 * (p.max - p.min);
+      if (x == p.min && p.min_open) x += 1e-3 * (p.max - p.min);
+      list.emplace_back(x);
+    }
+    return list;
+  }
+  if (p.name == "surface") return {p.choices.begin(), p.choices.end()};
+  return {parse_value(p, p.default_value)};
+}
+
+double degrees_of(double mu) { return std::acos(mu) * 180 / kPi; }
+
+}  // namespace
+
+std::vector<double> furnace_sweep_angles() {
+  std::vector<double> angles;
+  for (const double mu : kCosines) angles.push_back(degrees_of(mu));
+  return angles;
+}
+
+FurnaceSweep sweep_furnace(const ModelInfo& info) {
+  FurnaceSweep sweep;
+  std::vector<std::vector<ParameterValue>> choices;
+  for (const ParameterInfo& p : info.parameters) {
+    choices.push_back(values_of(p));
+    if (choices.back().size() < 2) continue;
+    FurnaceSweepAxis& axis = sweep.axes.emplace_back();
+    axis.name = p.name;
+    for (const ParameterValue& value : choices.back()) axis.values.push_back(to_text(value));
+  }
+  std::vector<std::size_t> at(choices.size(), 0);
+  for (bool more = true; more;) {
+    Parameters parameters;
+    std::string text;
+    for (std::size_t k = 0; k < choices.size(); ++k) {
+      parameters.set(info.parameters[k].name, choices[k][at[k]]);
+      if (choices[k].size() > 1)
+        text += fmt::format("{}{}={}", text.empty() ? "" : ", ", info.parameters[k].name,
+                            to_text(choices[k][at[k]]));
+    }
+    const auto model = info.make(parameters, nullptr);
+    ++sweep.configurations;
+    for (const double mu : kCosines) {
+      const Direction wi = with_grazing_limit(direction_from_mu_phi(mu, 0));
+      const double energy = model->albedo(wi).g + model->uncollided(wi);
+      if (!std::isfinite(energy))
+        throw std::domain_error(
+            fmt::format("{}: the energy at mu = {} is not finite with {}", info.name, mu, text));
+      sweep.energies.push_back(energy);
+      const double theta = degrees_of(mu);
+      if (energy < sweep.least.energy) sweep.least = SweepExtreme{energy, theta, text};
+      if (energy > sweep.most.energy) sweep.most = SweepExtreme{energy, theta, text};
+    }
+    more = false;
+    for (std::size_t k = 0; k < at.size() && !more; ++k) {
+      more = ++at[k] < choices[k].size();
+      if (!more) at[k] = 0;
+    }
+  }
+  return sweep;
+}
+
+}  // namespace lamella

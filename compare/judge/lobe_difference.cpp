@@ -1,0 +1,129 @@
+#include "compare/judge/lobe_difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "compare/judge/statistics.h"
+
+namespace lamella {
+namespace {
+
+constexpr double kPooledEvents = 100;  // as for closed forms
+constexpr double kHiddenError = 0.1;
+
+// Sums of one lobe over groups of its cells, per batch; group_of(channel, cell).
+template <class GroupOf>
+BatchSums lobe_sums(const Simulation& simulation, bool up, int order, int groups,
+                    const GroupOf& group_of) {
+  const CellTargets& targets = simulation.targets();
+  const int channels = simulation.plan().channels, cells = targets.grid.cells();
+  const int count = targets.count();
+  BatchSums out;
+  for (const BatchTally& batch : simulation.batches()) {
+    out.walks.push_back(static_cast<double>(batch.walks));
+    std::vector<double> row(groups);
+    for (int o = 0; o < kTallyOrders; ++o) {
+      if (order < kTallyOrders && o != order) continue;
+      for (int c = 0; c < channels; ++c)
+        for (int cell = 0; cell < cells; ++cell)
+          row[group_of(c, cell)] += batch.f[(static_cast<std::size_t>(o) * channels + c) * count +
+                                            target_of(targets, up, cell)];
+    }
+    out.sums.push_back(std::move(row));
+  }
+  return out;
+}
+
+double p_value_of(const Simulation& first, const Simulation& second, bool up, int order) {
+  const CellGrid& grid = first.targets().grid;
+  const int channels = first.plan().channels;
+  const int rows = std::min(4, grid.rows());
+  const int columns = std::min(channels == 1 ? 4 : 2, grid.columns());
+  const int patches = channels * rows * columns;
+  const auto patch_of = [&](int c, int cell) {
+    const int row = cell / grid.columns(), column = cell % grid.columns();
+    return (c * rows + row * rows / grid.rows()) * columns + column * columns / grid.columns();
+  };
+  const BatchSums a = lobe_sums(first, up, order, patches, patch_of);
+  const BatchSums b = lobe_sums(second, up, order, patches, patch_of);
+  BatchSums both = a, difference = a;
+  for (int k = 0; k < a.batches(); ++k)
+    for (int p = 0; p < patches; ++p) {
+      both.sums[k][p] += b.sums[k][p];
+      difference.sums[k][p] -= b.sums[k][p];
+    }
+  // Neighbours that too few walks reach in both are pooled; if all are too few, they are one.
+  std::vector<int> group = pooled_groups(both, kPooledEvents);
+  int groups = group.empty() ? 0 : 1 + *std::max_element(group.begin(), group.end());
+  if (groups <= 0) {
+    group.assign(patches, 0);
+    groups = 1;
+  }
+  const BatchSums pooled = grouped(difference, group, groups);
+  const std::vector<double> zero(groups);
+  const double broad = hotelling_p_value(pooled, zero, zero);
+  const double local = largest_deviation_p_value(means_of(pooled), zero, zero, pooled.batches());
+  return std::min(1.0, 2 * std::min(broad, local));
+}
+
+}  // namespace
+
+std::vector<LobeDifference> differences(const Simulation& first, const Simulation& second) {
+  const RunResult a = reduce(first), b = reduce(second);
+  std::vector<LobeDifference> lobes;
+  for (const bool reflected : {true, false}) {
+    const SideResult& sa = reflected ? a.reflected : a.transmitted;
+    const SideResult& sb = reflected ? b.reflected : b.transmitted;
+    if (sa.lobes[0].value.empty()) continue;
+    for (int o = 0; o <= kTallyOrders; ++o) {
+      LobeDifference l;
+      l.wi = a.incident;
+      l.reflected = reflected;
+      l.order = o;
+      for (int c = 0; c < a.channels; ++c) {
+        const Estimate ea = o < kTallyOrders ? sa.orders[o][c] : sa.total[c];
+        const Estimate eb = o < kTallyOrders ? sb.orders[o][c] : sb.total[c];
+        l.energy.push_back(ea.value);
+        l.energy_error.push_back(ea.standard_error);
+        l.energy_other.push_back(eb.value);
+        l.energy_other_error.push_back(eb.standard_error);
+      }
+      const LobeEstimate &fa = sa.lobes[o], &fb = sb.lobes[o];
+      const double n = static_cast<double>(fa.value.size());
+      double squares = 0, noise = 0, own = 0, own_noise = 0, fourth = 0;
+      for (std::size_t k = 0; k < fa.value.size(); ++k) {
+        const double d = fa.value[k] - fb.value[k];
+        const double va = fa.standard_error[k] * fa.standard_error[k];
+        const double v = va + fb.standard_error[k] * fb.standard_error[k];
+        squares += d * d / n;
+        noise += v / n;
+        fourth += v * v;
+        own += fa.value[k] * fa.value[k] / n;
+        own_noise += va / n;
+      }
+      const double signal = std::max(squares - noise, 0.0), power = std::max(own - own_noise, 0.0);
+      const double infinity = std::numeric_limits<double>::infinity();
+      l.relative_rmse_without_noise = signal == 0 ? 0
+                                      : power > 0 ? std::sqrt(signal / power)
+                                                  : infinity;
+      const double hidden = signal + 2 * std::sqrt(2 * fourth) / n;
+      l.hidden = hidden == 0 ? 0 : power > 0 ? hidden / power : infinity;
+      l.p_value = p_value_of(first, second, (a.incident.z > 0) == reflected, o);
+      lobes.push_back(std::move(l));
+    }
+  }
+  return lobes;
+}
+
+void decide(std::vector<LobeDifference>& lobes) {
+  if (lobes.empty()) return;
+  const double level =
+      -std::expm1(std::log1p(-kReportFalseAlarm) / static_cast<double>(lobes.size()));
+  for (LobeDifference& l : lobes)
+    l.verdict = l.p_value < level                         ? Verdict::differs
+                : l.hidden <= kHiddenError * kHiddenError ? Verdict::agrees
+                                                          : Verdict::insufficient;
+}
+
+}  // namespace lamella

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "compare/judge/comparison.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+
+/// Two simulations of one incident direction on the same cells: what a stack loses when another one
+/// replaces it, on one lobe.
+struct LobeDifference {
+  Direction wi{};
+  bool reflected = true;
+  int order = kTallyOrders;                              ///< slot of the tally, kTallyOrders: all
+  std::vector<double> energy, energy_error;              ///< of the first, per channel
+  std::vector<double> energy_other, energy_other_error;  ///< of the second
+  /// Root mean square over cells and channels of the difference of f, with both noises' variance
+  /// removed, over that of the first; 0 if the noise exceeds it; inf if only the second arrives.
+  double relative_rmse_without_noise = 0;
+  double p_value = 1;  ///< of the hypothesis that both are the same
+  Verdict verdict = Verdict::agrees;
+  double hidden = 0;  ///< squared relative RMSE that the noise could hide
+};
+
+/// Every lobe of two simulations with the same cells, channels, walks and incident direction but
+/// different seeds. The p-value is Hotelling's on a few patches of the hemisphere, from the 128
+/// differences between batches; patches that few walks reach are pooled.
+[[nodiscard]] std::vector<LobeDifference> differences(const Simulation& first,
+                                                      const Simulation& second);
+
+/// Sets the verdicts, as `decide` does for closed forms: a chance of 1 % over all that a lobe is
+/// called different that is not; insufficient if the noise could hide 10 %.
+void decide(std::vector<LobeDifference>& lobes);
+
+}  // namespace lamella

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "analytic/model/model.h"
+#include "volume/result/cell_grid.h"
+
+namespace lamella {
+
+/// A closed form on the cells of one side: cosine-weighted means of f [1/sr], [channel][cell], per
+/// order 1, 2, 3, 4+ (of the lobes that stand for it) and all.
+struct ProjectedLobes {
+  std::array<std::vector<double>, kOrders + 1> lobes;
+  std::array<bool, kOrders + 1> has{};  ///< whether the model has a lobe of that order; all: true
+  /// Of a stochastic model: lobes of independent estimates of it, whose scatter is its noise.
+  std::vector<std::array<std::vector<double>, kOrders + 1>> parts;
+};
+
+/// Relative accuracy of a projected cell: what a comparison may not hold against a model.
+inline constexpr double kProjectionTolerance = 1e-4;
+/// Share of the lobe's mean below which a cell's value no longer counts in that.
+inline constexpr double kProjectionFloor = 1e-3;
+
+/// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
+/// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean). `up`: the
+/// side w_o lies on; channels: 1 or 3. A stochastic model's parts, as many as a run has batches,
+/// are projected without refinement: noise need not be known so well. Runs in the calling thread's
+/// task arena.
+[[nodiscard]] ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
+                                     const CellGrid& grid, bool up, int channels);
+
+}  // namespace lamella

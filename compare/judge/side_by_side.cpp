@@ -1,0 +1,130 @@
+#include "compare/judge/side_by_side.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "compare/judge/projection.h"
+#include "compare/request/model_request.h"
+#include "volume/grains/grain_measure.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+namespace {
+
+constexpr std::uint64_t kRealisations = 64, kRays = 2000;
+// A medium is walked much faster than grains: its noise need not show.
+constexpr std::uint64_t kMoreWalks = 4;
+
+double mean_energy(const std::vector<double>& lobe) {
+  double sum = 0;
+  for (const double f : lobe) sum += f;
+  return sum * kPi / static_cast<double>(lobe.size());
+}
+
+RunResult walked(const Stack& stack, const RunResult& like, const Options& options) {
+  Simulation simulation(stack, plan_of(options, stack), like.incident, Estimator::analog, like.grid,
+                        options.seed + 1);
+  run(simulation, {.walks = kMoreWalks * like.walks, .target_error = {}, .seconds = {}}, {},
+      &interrupted);
+  return reduce(simulation);
+}
+
+}  // namespace
+
+RelativeError relative_error(const LobeEstimate& truth, const std::vector<double>& reference,
+                             const std::vector<double>& reference_error) {
+  double difference = 0, variance = 0, square = 0;
+  for (std::size_t k = 0; k < truth.value.size(); ++k) {
+    const double d = reference[k] - truth.value[k];
+    difference += d * d;
+    square += reference[k] * reference[k];
+    variance += truth.standard_error[k] * truth.standard_error[k];
+    if (!reference_error.empty()) variance += reference_error[k] * reference_error[k];
+  }
+  if (square == 0) return {};
+  return {std::sqrt(std::max(0.0, difference - variance) / square), std::sqrt(variance / square)};
+}
+
+std::vector<SideBySide> side_by_side(const Stack& stack, const std::vector<RunResult>& runs,
+                                     const Options& options) {
+  const GrainMeasurement measured =
+      measure_grains(*stack.grains(), options.seed, kRealisations, kRays);
+  std::vector<SideBySide> rows;
+  for (const Equivalent kind :
+       {Equivalent::lambert_sphere, Equivalent::vmf_flake, Equivalent::sggx}) {
+    Stack medium;
+    try {
+      medium = equivalent_stack(stack, measured, kind);
+    } catch (const std::invalid_argument&) {
+      continue;  // no such medium for these grains
+    }
+    Options every = options;
+    every.models.clear();
+    const std::vector<BoundModel> models = models_for(every, medium);
+    for (const RunResult& grains : runs) {
+      if (interrupted) return rows;
+      // Light from below has no counterpart where the medium became a half space.
+      if (grains.incident.z < 0 && !medium.is_open_below()) continue;
+      const RunResult flat = walked(medium, grains, options);
+      const bool up = grains.incident.z > 0;
+      std::vector<ProjectedLobes> projections;
+      for (const BoundModel& m : models)
+        projections.push_back(
+            project(*m.model, *m.info, grains.incident, flat.grid, up, flat.channels));
+      for (int o = 0; o <= kTallyOrders; ++o) {
+        const LobeEstimate &g = grains.reflected.lobes[o], &f = flat.reflected.lobes[o];
+        if (g.value.size() != f.value.size()) continue;  // grey here, coloured there
+        SideBySide row{.wi = grains.incident,
+                       .medium = medium.layers[0].medium_name,
+                       .model = {},
+                       .order = static_cast<Order>(o),
+                       .energy_geometry = mean_energy(g.value),
+                       .energy_medium = mean_energy(f.value),
+                       .medium_error = relative_error(g, f.value, f.standard_error),
+                       .model_error = {},
+                       .total_error = {}};
+        bool any = false;
+        for (std::size_t k = 0; k < models.size(); ++k) {
+          const ProjectedLobes& p = projections[k];
+          if (!p.has[o] || (o == kTallyOrders && models[k].info->name == "single_scattering"))
+            continue;
+          any = true;
+          row.model = models[k].info->name;
+          row.energy_model = mean_energy(p.lobes[o]);
+          row.model_error = relative_error(f, p.lobes[o]);
+          row.total_error = relative_error(g, p.lobes[o]);
+          rows.push_back(row);
+        }
+        if (!any) rows.push_back(row);
+      }
+    }
+  }
+  return rows;
+}
+
+std::string side_by_side_table(const std::vector<SideBySide>& rows) {
+  std::string text =
+      "\nThe geometry, a medium measured from it, a closed form of that medium; relative RMSE "
+      "without noise of\n  (a) geometry - medium: the medium's part, (b) medium - form: the closed "
+      "form's part, (c) geometry - form\n";
+  text += fmt::format("  {:>7} {:>5} {:>9} | {:<14} {:>9} {:>8} | {:<30} {:>9} {:>8} {:>8} {:>8}\n",
+                      "theta_i", "order", "geometry", "medium", "energy", "(a)", "closed form",
+                      "energy", "(b)", "(c)", "noise");
+  for (const SideBySide& r : rows) {
+    text += fmt::format("  {:>7g} {:>5} {:>9.5f} | {:<14} {:>9.5f} {:>7.2f}% | ",
+                        theta_degrees(r.wi), to_text(r.order), r.energy_geometry, r.medium,
+                        r.energy_medium, 100 * r.medium_error.rmse);
+    if (r.model.empty())
+      text += fmt::format("{:<30} {:>9} {:>8} {:>8} {:>7.2f}%\n", "-", "", "", "",
+                          100 * r.medium_error.noise);
+    else
+      text += fmt::format("{:<30} {:>9.5f} {:>7.2f}% {:>7.2f}% {:>7.2f}%\n", r.model,
+                          r.energy_model, 100 * r.model_error.rmse, 100 * r.total_error.rmse,
+                          100 * r.medium_error.noise);
+  }
+  return text;
+}
+
+}  // namespace lamella

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "compare/drawing/color_scale.h"
+#include "compare/files/exr_file.h"
+#include "phase/math/color.h"
+#include "phase/math/direction.h"
+
+namespace lamella {
+
+/// f [1/sr] of a surface, w_i and w_o above it.
+using Reflection = std::function<Rgb(Direction wi, Direction wo)>;
+
+/// Radiance that arrives from everywhere: 1, or a lat-long picture. y is up in the scene; the
+/// picture's top row is up, its middle column the direction away from the viewer (-z).
+class Environment {
+ public:
+  Environment() = default;  ///< uniform, radiance 1
+  /// From an EXR with channels R, G, B (or Y), averaged to at most 128 x 64 texels. Throws
+  /// OutputError if it cannot be read, UsageError if it has no such channels or negative values.
+  explicit Environment(const std::string& path);
+
+  [[nodiscard]] bool is_uniform() const { return texels_.empty(); }
+  [[nodiscard]] Rgb radiance(Direction world) const;
+
+ private:
+  int width_ = 0, height_ = 0;
+  std::vector<Rgb> texels_;
+};
+
+/// What is drawn: a sphere seen from far away along -z, or a plane seen by a camera close to it.
+enum class PreviewScene { sphere, plane };
+/// A distant lamp that gives a perpendicular surface the irradiance pi (so that white Lambert
+/// facing it has the radiance 1), or light from everywhere.
+enum class PreviewLight { lamp, environment };
+
+[[nodiscard]] std::string to_text(PreviewScene scene);
+[[nodiscard]] std::string to_text(PreviewLight light);
+
+struct PreviewView {
+  PreviewScene scene = PreviewScene::sphere;
+  PreviewLight light = PreviewLight::lamp;
+  int size = 192;  ///< of the sphere's square; the plane is as wide, half as high
+  double lamp_theta = 45, lamp_phi = 45;  ///< degrees from the viewer, and from the right upwards
+  [[nodiscard]] int width() const { return size; }
+  [[nodiscard]] int height() const { return scene == PreviewScene::sphere ? size : size / 2; }
+};
+
+/// Radiance per pixel, row by row from the top left; `covered`: 0 where nothing is.
+struct PreviewImage {
+  int width = 0, height = 0;
+  std::vector<Rgb> radiance;
+  std::vector<bool> covered;
+};
+
+/// One sample in the middle of each pixel. Environments by a product rule over the hemisphere of
+/// each pixel. f must not have a preferred azimuth. Runs in the calling thread's task arena.
+[[nodiscard]] PreviewImage render(const Reflection& f, const PreviewView& view,
+                                  const Environment& environment);
+
+/// A named picture of a view; the first of a view is the truth.
+struct PreviewColumn {
+  std::string name;
+  PreviewImage image;
+};
+
+/// What the pictures of a view share.
+struct PreviewScales {
+  double white = 1;       ///< luminance shown as white: the truth's 99th percentile
+  ColorScale difference;  ///< of the luminance, model - truth
+};
+[[nodiscard]] PreviewScales scales_of(const std::vector<PreviewColumn>& columns);
+
+/// PNG bytes of one picture; of the signed difference in luminance, model - truth.
+[[nodiscard]] std::string picture_png(const PreviewImage& image, double white);
+[[nodiscard]] std::string difference_png(const PreviewImage& truth, const PreviewImage& model,
+                                         const ColorScale& scale);
+
+/// PNG bytes: the pictures of a view side by side at one exposure (the truth's 99th percentile is
+/// white), below each model its signed difference from the truth in luminance, with the scale.
+[[nodiscard]] std::string draw_preview(const std::string& title,
+                                       const std::vector<PreviewColumn>& columns);
+
+}  // namespace lamella

@@ -1,0 +1,164 @@
+#include "compare/preview/preview_views.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "compare/files/base64.h"
+#include "compare/files/output_folder.h"
+#include "compare/report/lobe_files.h"
+#include "phase/stack/stack_file.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double mean_luminance(const PreviewImage& image) {
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < image.radiance.size(); ++k) {
+    if (!image.covered[k]) continue;
+    const Rgb c = image.radiance[k];
+    sum += 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void add_channels(ExrImage& image, const std::string& layer, const PreviewImage& from, bool plain) {
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> values;
+    for (const Rgb& v : from.radiance) values.push_back(v[c]);
+    const std::string letter(1, "RGB"[c]);
+    if (plain) image.channels.emplace_back(letter, exr_values(values));
+    image.channels.emplace_back(fmt::format("{}.{}", layer, letter), exr_values(values));
+  }
+}
+
+// "THETA,PHI" in degrees.
+std::pair<double, double> lamp_of(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const auto theta = parse_number(std::string_view(text).substr(0, comma));
+  const auto phi =
+      comma == std::string::npos ? std::optional(0.0) : parse_number(text.substr(comma + 1));
+  if (!theta || !phi || !(*theta >= 0 && *theta < 180) || !std::isfinite(*phi))
+    throw UsageError(fmt::format(
+        "--light: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180)", text));
+  return {*theta, *phi};
+}
+
+std::string title_of(const PreviewView& view, const Options& options) {
+  return fmt::format("{} under {}", to_text(view.scene),
+                     view.light == PreviewLight::lamp   ? "a distant lamp"
+                     : options.environment == "uniform" ? "uniform light"
+                                                        : "the environment");
+}
+
+std::string png_url(const std::string& png) { return "data:image/png;base64," + base64(png); }
+
+}  // namespace
+
+PreviewLighting preview_lighting(const Options& options) {
+  const auto [theta, phi] = lamp_of(options.light);
+  return {theta, phi,
+          options.environment == "uniform" ? Environment() : Environment(options.environment)};
+}
+
+std::string PreviewResult::name() const { return to_text(view.scene) + "_" + to_text(view.light); }
+
+std::vector<PreviewResult> preview_views(const LobeTable& truth,
+                                         const std::vector<BoundModel>& models,
+                                         const std::vector<std::string>& names,
+                                         const PreviewLighting& lighting, int size) {
+  std::vector<PreviewResult> views;
+  for (const PreviewScene scene : {PreviewScene::sphere, PreviewScene::plane})
+    for (const PreviewLight light : {PreviewLight::lamp, PreviewLight::environment}) {
+      if (interrupted) return views;
+      PreviewResult result{{scene, light, size, lighting.lamp_theta, lighting.lamp_phi}, {}};
+      const auto draw = [&](const std::string& name, const Reflection& f) {
+        result.columns.push_back({name, render(f, result.view, lighting.environment)});
+      };
+      draw("truth", [&](Direction wi, Direction wo) { return truth(wi, wo); });
+      for (std::size_t k = 0; k < models.size(); ++k)
+        draw(names[k], [&](Direction wi, Direction wo) { return models[k].model->eval(wi, wo); });
+      views.push_back(std::move(result));
+    }
+  return views;
+}
+
+void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
+                         const LobeTable& truth, const Stack& stack, const Options& options) {
+  for (const PreviewResult& result : views) {
+    ExrImage image;
+    image.width = result.view.width();
+    image.height = result.view.height();
+    image.attributes = {{"lamella.version", LAMELLA_VERSION},
+                        {"lamella.command", "preview"},
+                        {"lamella.stack", to_toml(stack)},
+                        {"lamella.stack_name", stack.name},
+                        {"lamella.truth", truth.source()},
+                        {"lamella.view", result.name()},
+                        {"lamella.conventions",
+                         "radiance; the lamp gives a perpendicular surface the irradiance pi; "
+                         "plain R, G, B: the truth"}};
+    for (std::size_t k = 0; k < result.columns.size(); ++k)
+      add_channels(image, result.columns[k].name, result.columns[k].image, k == 0);
+    write_exr(prefix + result.name() + ".exr", image);
+    write_file(prefix + result.name() + ".png",
+               draw_preview(stack.name + ": " + title_of(result.view, options), result.columns));
+  }
+}
+
+Json to_json(const std::vector<PreviewResult>& views) {
+  Json list = Json::array();
+  for (const PreviewResult& result : views) {
+    Json pictures = Json::array();
+    for (const PreviewColumn& column : result.columns)
+      pictures.push_back({{"name", column.name}, {"mean_luminance", mean_luminance(column.image)}});
+    list.push_back({{"scene", to_text(result.view.scene)},
+                    {"light", to_text(result.view.light)},
+                    {"pictures", std::move(pictures)}});
+  }
+  return list;
+}
+
+Json preview_page_details(const std::vector<PreviewResult>& views, const LobeTable& truth,
+                          const Options& options) {
+  Json list = Json::array();
+  for (const PreviewResult& result : views) {
+    const PreviewScales scales = scales_of(result.columns);
+    Json pictures = Json::array();
+    for (std::size_t k = 0; k < result.columns.size(); ++k) {
+      const PreviewImage& image = result.columns[k].image;
+      Json picture{{"png", png_url(picture_png(image, scales.white))}};
+      if (k > 0)
+        picture["difference"] =
+            png_url(difference_png(result.columns.front().image, image, scales.difference));
+      pictures.push_back(std::move(picture));
+    }
+    list.push_back({{"title", title_of(result.view, options)},
+                    {"width", result.view.width()},
+                    {"height", result.view.height()},
+                    {"limit", scales.difference.high},
+                    {"pictures", std::move(pictures)}});
+  }
+  Json colors = Json::array();
+  constexpr int kStops = 10;
+  for (int k = 0; k <= kStops; ++k) {
+    const Color c = diverging_color(2.0 * k / kStops - 1);
+    colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b));
+  }
+  return {{"truth", truth.source()}, {"colors", std::move(colors)}, {"views", std::move(list)}};
+}
+
+std::string preview_table(const std::vector<PreviewResult>& views) {
+  std::string text;
+  for (const PreviewResult& result : views)
+    for (const PreviewColumn& column : result.columns)
+      text += fmt::format("  {:<20} {:<28} mean luminance {:.5f}\n", result.name(), column.name,
+                          mean_luminance(column.image));
+  return text;
+}
+
+}  // namespace lamella

@@ -1,0 +1,150 @@
+#include "compare/report/json_report.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "compare/files/output_folder.h"
+
+namespace lamella {
+
+using Json = nlohmann::ordered_json;
+
+Json json_number(double value) {
+  if (std::isfinite(value)) return value;
+  return to_text(value);
+}
+
+Json to_json(const ParameterValue& value) {
+  struct Visitor {
+    Json operator()(double x) const { return json_number(x); }
+    Json operator()(Rgb c) const {
+      if (c.is_grey()) return json_number(c.r);
+      return Json::array({c.r, c.g, c.b});
+    }
+    Json operator()(const std::vector<double>& v) const {
+      Json list = Json::array();
+      for (const double x : v) list.push_back(json_number(x));
+      return list;
+    }
+    Json operator()(const std::string& s) const { return s; }
+  };
+  return std::visit(Visitor{}, value);
+}
+
+Json to_json(const Stack& stack) {
+  Json layers = Json::array();
+  for (const Layer& layer : stack.layers) {
+    Json entry{{"medium", layer.medium_name}};
+    for (const auto& [key, value] : layer.parameters.all()) entry[key] = to_json(value);
+    entry["albedo"] = to_json(ParameterValue(layer.albedo));
+    if (!layer.grains) {
+      entry["thickness"] = json_number(layer.thickness);
+      entry["density"] = json_number(layer.density);
+    }
+    if (layer.grid) {
+      entry["grid"] = layer.grid->file;
+      entry["size"] = {layer.grid->size_x, layer.grid->size_y};
+      entry["grid_albedo"] = layer.grid->white ? "white" : "file";
+    }
+    layers.push_back(std::move(entry));
+  }
+  Json out{{"name", stack.name}, {"layer", std::move(layers)}};
+  if (stack.substrate && !stack.substrate->model.empty()) {
+    Json& substrate = out["substrate"] = {{"bsdf", stack.substrate->model}};
+    for (const auto& [key, value] : stack.substrate->parameters.all())
+      substrate[key] = to_json(value);
+  } else if (stack.substrate)
+    out["substrate"] = {{"bsdf", "lambert"},
+                        {"albedo", to_json(ParameterValue(stack.substrate->albedo))}};
+  return out;
+}
+
+Json json_header(const std::string& command, const Options& options) {
+  return {{"format", 1},
+          {"command", command},
+          {"version", LAMELLA_VERSION},
+          {"seed", options.seed},
+          {"threads", tbb::this_task_arena::max_concurrency()},
+          {"isa", to_text(isa_of(options))}};
+}
+
+Json json_header(const std::string& command, const Stack& stack, const Options& options) {
+  Json header{
+      {"format", 1}, {"command", command}, {"version", LAMELLA_VERSION}, {"stack", to_json(stack)}};
+  header.update(json_header(command, options));
+  return header;
+}
+
+Json values_of(const std::array<Estimate, 3>& e, int channels) {
+  Json list = Json::array();
+  for (int c = 0; c < channels; ++c) list.push_back(e[c].value);
+  return list;
+}
+
+Json errors_of(const std::array<Estimate, 3>& e, int channels) {
+  Json list = Json::array();
+  for (int c = 0; c < channels; ++c) list.push_back(e[c].standard_error);
+  return list;
+}
+
+namespace {
+
+Json side_json(const SideResult& side, int channels) {
+  Json orders = Json::object();
+  static const char* const names[kTallyOrders] = {"1", "2", "3", "4+"};
+  for (int o = 0; o < kTallyOrders; ++o)
+    orders[names[o]] = {{"total", values_of(side.orders[o], channels)},
+                        {"standard_error", errors_of(side.orders[o], channels)}};
+  return {{"total", values_of(side.total, channels)},
+          {"standard_error", errors_of(side.total, channels)},
+          {"specular", values_of(side.specular, channels)},
+          {"orders", std::move(orders)}};
+}
+
+}  // namespace
+
+void add_choice(Json& answer, const EstimatorChoice& choice, const Options& options) {
+  answer["estimator"] = to_text(choice.estimator);
+  answer["estimator_asked"] = options.estimator;
+  answer["estimator_reason"] = choice.reason;
+  if (choice.solution) answer["tolerance"] = options.tolerance;
+}
+
+Json to_json(const RunResult& run) {
+  Json out{{"mu_i", run.incident.z == kGrazingLimit ? 0.0 : run.incident.z},
+           {"phi_i", phi_degrees(run.incident)},
+           {"walks", run.walks},
+           {"collisions", run.collisions},
+           {"seconds", run.seconds},
+           {"reflected", side_json(run.reflected, run.channels)},
+           {"transmitted", side_json(run.transmitted, run.channels)},
+           {"uncollided", values_of(run.uncollided, run.channels)},
+           {"absorbed", values_of(run.absorbed, run.channels)},
+           {"unresolved", values_of(run.unresolved, run.channels)}};
+  if (const auto& a = run.accuracy)
+    out["accuracy"] = {{"reached", a->reached},
+                       {"error", json_number(a->error)},
+                       {"nodes", a->nodes},
+                       {"modes", a->modes},
+                       {"bytes", a->bytes}};
+  if (!run.is_bounded()) out["max_order"] = run.max_order;
+  if (run.thinning.is_on()) {
+    out["thinned_from"] = run.thinning.first;
+    out["thinned"] = values_of(run.thinned, run.channels);
+  }
+  if (run.holes > 0) out["holes"] = run.holes;
+  return out;
+}
+
+void write_json(const Json& answer, const Options& options) {
+  if (options.json.empty()) return;
+  const std::string text = answer.dump(2) + "\n";
+  if (options.json == "-")
+    fmt::print(stdout, "{}", text);
+  else
+    write_file(options.json, text);
+}
+
+}  // namespace lamella

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "compare/options/options.h"
+#include "compare/truth/estimator_choice.h"
+#include "phase/stack/stack.h"
+#include "volume/result/run_result.h"
+
+namespace lamella {
+
+/// What every JSON answer starts with: format, command, stack (if there is one), seed, threads,
+/// isa.
+[[nodiscard]] nlohmann::ordered_json json_header(const std::string& command,
+                                                 const Options& options);
+[[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, const Stack& stack,
+                                                 const Options& options);
+
+/// The resolved stack, every default filled in; infinity is the string "inf".
+[[nodiscard]] nlohmann::ordered_json to_json(const Stack& stack);
+
+/// A number as JSON has it: infinity and nan as strings.
+[[nodiscard]] nlohmann::ordered_json json_number(double value);
+
+/// A value of a parameter: a number, a list or a string.
+[[nodiscard]] nlohmann::ordered_json to_json(const ParameterValue& value);
+
+/// Per channel, the values and the standard errors of estimates.
+[[nodiscard]] nlohmann::ordered_json values_of(const std::array<Estimate, 3>& e, int channels);
+[[nodiscard]] nlohmann::ordered_json errors_of(const std::array<Estimate, 3>& e, int channels);
+
+/// The estimator that was used, the one that was asked for, and why: "estimator",
+/// "estimator_asked", "estimator_reason", and the solver's "tolerance".
+void add_choice(nlohmann::ordered_json& answer, const EstimatorChoice& choice,
+                const Options& options);
+
+/// One incident direction of `simulate`.
+[[nodiscard]] nlohmann::ordered_json to_json(const RunResult& run);
+
+/// Writes the answer to the file or stdout that --json names; nothing if it was not given.
+void write_json(const nlohmann::ordered_json& answer, const Options& options);
+
+}  // namespace lamella

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "compare/options/options.h"
+
+namespace lamella {
+
+/// One self-contained HTML page: the template that was built from compare/report with the numbers
+/// in it. `answer`: the JSON of a command, word for word, which decides what the page shows;
+/// `details`: what its plots need besides (an object or null). Equal input gives equal bytes.
+[[nodiscard]] std::string report_page(const std::string& title,
+                                      const nlohmann::ordered_json& answer,
+                                      const nlohmann::ordered_json& details);
+
+/// report_page to a file. Throws OutputError.
+void write_report_page(const std::filesystem::path& path, const std::string& title,
+                       const nlohmann::ordered_json& answer, const nlohmann::ordered_json& details);
+
+/// Writes the page to the file that --html names; nothing if it was not given.
+void write_html(const nlohmann::ordered_json& answer, const std::string& title,
+                const Options& options);
+void write_html(const nlohmann::ordered_json& answer, const std::string& title,
+                const Options& options, const nlohmann::ordered_json& details);
+
+}  // namespace lamella

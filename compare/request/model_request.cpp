@@ -1,0 +1,152 @@
+#include "compare/request/model_request.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "analytic/catalogue/model_plugin.h"
+
+namespace lamella {
+
+Parameters read_parameters(const std::string& what, const std::vector<ParameterInfo>& infos,
+                           const std::vector<std::pair<std::string, std::string>>& values) {
+  Parameters parameters;
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : infos) names.push_back(info.name);
+  for (const auto& [key, text] : values) {
+    const ParameterInfo* info = find(infos, key);
+    if (!info) {
+      const std::string hint = suggestion(key, names);
+      throw UsageError(fmt::format("{}: key \"{}\": unknown{}; allowed: {}", what, key,
+                                   hint.empty() ? "" : ", " + hint,
+                                   names.empty() ? "none" : listed(names)));
+    }
+    try {
+      parameters.set(key, parse_value(*info, text));
+    } catch (const ParameterError& error) {
+      throw UsageError(fmt::format("{}: {}", what, error.what()));
+    }
+  }
+  fill_defaults(infos, parameters);
+  return parameters;
+}
+
+BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
+  BoundModel bound;
+  bound.info = find_or_load_model(request.name);
+  if (!bound.info) {
+    std::vector<std::string> names;
+    for (const ModelInfo& info : models()) names.push_back(info.name);
+    const std::string hint = suggestion(request.name, names);
+    throw UsageError(fmt::format("model \"{}\": unknown{}; allowed: {}", request.name,
+                                 hint.empty() ? "" : ", " + hint, listed(names)));
+  }
+  if (bound.info->needs_stack && !stack)
+    throw UsageError(
+        fmt::format("{}: key \"stack\": found nothing; allowed: a stack file, - or a "
+                    "built-in stack",
+                    request.name));
+  bound.parameters = read_parameters(request.name, bound.info->parameters, request.values);
+  for (const ParameterInfo& info : bound.info->parameters)
+    if (!bound.parameters.has(info.name) && info.default_value.empty())
+      throw UsageError(fmt::format("{}: key \"{}\": found nothing; allowed: {}", request.name,
+                                   info.name, allowed_values(info)));
+  try {
+    bound.model = bound.info->make(bound.parameters, stack);
+  } catch (const ParameterError& error) {
+    throw UsageError(fmt::format("{}: {}", request.name, error.what()));
+  }
+  return bound;
+}
+
+namespace {
+
+std::string request_value(const ParameterValue& value) {
+  std::string text = to_text(value);
+  std::erase_if(text, [](char c) { return c == '[' || c == ']' || c == '"' || c == ' '; });
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> distinct_names(const std::vector<BoundModel>& models) {
+  std::vector<std::string> names;
+  for (const BoundModel& m : models) {
+    int same = 0, before = 0;
+    for (const BoundModel& other : models) {
+      if (&other == &m) before = same;
+      same += other.info == m.info;
+    }
+    names.push_back(same > 1 ? fmt::format("{}_{}", m.info->name, before) : m.info->name);
+  }
+  return names;
+}
+
+std::string to_request(const BoundModel& model) {
+  std::string text = model.info->name;
+  for (const auto& [key, value] : model.parameters.all())
+    text += fmt::format(",{}={}", key, request_value(value));
+  return text;
+}
+
+std::vector<BoundModel> models_for(const Options& options, const Stack& stack) {
+  std::vector<BoundModel> bound;
+  if (!options.models.empty()) {
+    for (const std::string& text : options.models) {
+      ModelRequest request = parse_model_request(text);
+      // What the command line leaves open comes from the stack, where the model applies to it.
+      const ModelInfo* info = find_or_load_model(request.name);
+      if (info && info->applies_to)
+        if (const auto from_stack = info->applies_to(stack))
+          for (const auto& entry : from_stack->all()) {
+            const std::string& key = entry.first;
+            const bool given = std::any_of(request.values.begin(), request.values.end(),
+                                           [&](const auto& v) { return v.first == key; });
+            if (given) continue;
+            request.values.emplace_back(key, request_value(entry.second));
+          }
+      bound.push_back(bind_model(request, &stack));
+    }
+    return bound;
+  }
+  for (const ModelInfo& info : models()) {
+    if (!info.applies_to) continue;
+    auto parameters = info.applies_to(stack);
+    if (!parameters) continue;
+    fill_defaults(info.parameters, *parameters);
+    BoundModel b;
+    b.info = &info;
+    b.model = info.make(*parameters, &stack);
+    b.parameters = std::move(*parameters);
+    bound.push_back(std::move(b));
+  }
+  return bound;
+}
+
+double nanoseconds_per_eval(const Model& model) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<DirectionPair> pairs;
+  RandomStream stream(1, 0, StreamPurpose::test);
+  for (int k = 0; k < 64; ++k) {
+    const auto draw = [&] {
+      const double mu = stream.uniform();
+      return direction_from_mu_phi(mu, 2 * kPi * stream.uniform());
+    };
+    const Direction wi = draw();
+    pairs.push_back({wi, draw()});
+  }
+  double sum = 0;
+  std::uint64_t evaluations = 0;
+  const auto start = Clock::now();
+  double seconds = 0;
+  while (seconds < 0.02) {
+    for (const DirectionPair& pair : pairs) sum += model.eval(pair.wi, pair.wo).g;
+    evaluations += pairs.size();
+    seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  [[maybe_unused]] static volatile double sink;
+  sink = sum;  // keeps the loop
+  return seconds * 1e9 / static_cast<double>(evaluations);
+}
+
+}  // namespace lamella

@@ -1,0 +1,78 @@
+#include "compare/request/substrate_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analytic/model/model.h"
+#include "phase/stack/stack_file.h"
+#include "phase/surface/surface_law.h"
+
+namespace lamella {
+namespace {
+
+class ModelLaw : public SurfaceLaw {
+ public:
+  explicit ModelLaw(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
+
+  [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override { return model_->eval(wi, wo); }
+
+  // A model's sampler gives the way to the light for a way to the viewer. It takes the light's way
+  // here: any density serves, as long as the weight divides by it.
+  [[nodiscard]] std::optional<Sample> sample(Direction wi, double u1, double u2,
+                                             double u3) const override {
+    const auto wo = model_->sample(wi, u1, u2, u3);
+    if (!wo || !(wo->z > 0)) return std::nullopt;
+    const double density = model_->pdf(*wo, wi);
+    if (!(density > 0)) return std::nullopt;
+    return Sample{*wo, (wo->z / density) * model_->eval(wi, *wo)};
+  }
+
+ private:
+  std::shared_ptr<const Model> model_;
+};
+
+// What the closed form of micrograins takes below them.
+const std::vector<std::string>& surface_models() {
+  return find(find_model("micrograin")->parameters, "bulk")->choices;
+}
+
+}  // namespace
+
+Stack with_surface_model(Stack stack) {
+  if (!stack.substrate || stack.substrate->model.empty()) return stack;
+  Substrate& s = *stack.substrate;
+  const std::vector<std::string>& allowed = surface_models();
+  if (std::find(allowed.begin(), allowed.end(), s.model) == allowed.end())
+    throw StackFileError(fmt::format(
+        "{}: substrate: key \"bsdf\": found \"{}\"; allowed below micrograins: black, {}",
+        s.where.at("bsdf"), s.model, listed(allowed)));
+  const ModelInfo* info = find_model(s.model);
+  Parameters complete;
+  for (const auto& [key, value] : s.parameters.all()) {
+    const ParameterInfo* parameter = find(info->parameters, key);
+    if (!parameter) {
+      std::vector<std::string> names;
+      for (const ParameterInfo& p : info->parameters) names.push_back(p.name);
+      const std::string hint = suggestion(key, names);
+      throw StackFileError(fmt::format("{}: substrate: key \"{}\": unknown in {}{}; allowed: {}",
+                                       s.where.at(key), key, s.model,
+                                       hint.empty() ? "" : ", " + hint, listed(names)));
+    }
+    try {
+      complete.set(key, checked(*parameter, value));
+    } catch (const ParameterError& error) {
+      throw StackFileError(fmt::format("{}: substrate: {}", s.where.at(key), error.what()));
+    }
+  }
+  fill_defaults(info->parameters, complete);
+  try {
+    s.law = std::make_shared<ModelLaw>(info->make(complete, nullptr));
+  } catch (const ParameterError& error) {
+    throw StackFileError(fmt::format("{}: substrate: {}", s.where.at("bsdf"), error.what()));
+  }
+  s.parameters = std::move(complete);
+  return stack;
+}
+
+}  // namespace lamella

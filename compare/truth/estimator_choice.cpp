@@ -1,0 +1,95 @@
+#include "compare/truth/estimator_choice.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "phase/parameters/parameters.h"
+#include "volume/solver/deterministic_run.h"
+
+namespace lamella {
+namespace {
+
+// What `auto` lets the solver spend: beyond it walks are the faster way to a useful answer.
+constexpr int kTrialNodes = 64, kTrialModes = 64;
+constexpr double kTrialSeconds = 20;
+constexpr double kSeconds = 60;  // of a solution that was asked for, unless --time says otherwise
+// Where cells miss the tolerance with kSolverShare of it.
+constexpr double kRefinedShare = 0.1;
+
+std::string cost_of(const DeterministicAccuracy& a) {
+  return fmt::format("{:.1e} with {} nodes and {} modes", a.error, a.nodes, a.modes);
+}
+
+// A repeated run takes no notice of the clock: it goes as far as the first one went.
+void end_where_it_ended(DeterministicOptions& solver, const Options& options) {
+  if (!options.solver_end) return;
+  solver.max_nodes = options.solver_end->nodes;
+  solver.last_modes = options.solver_end->modes;
+  solver.max_seconds = std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+void check_estimator(const Stack& stack, const Options& options) {
+  if (options.estimator != "deterministic") return;
+  if (const auto reason = why_not_deterministic(stack))
+    throw UsageError(fmt::format(
+        "--estimator: found \"deterministic\" for {}, but {}; allowed: auto, analog, next-event",
+        stack.name, *reason));
+}
+
+EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Estimator of_walks) {
+  if (options.estimator == "analog") return {Estimator::analog, "asked for", nullptr};
+  if (options.estimator == "next-event") return {Estimator::next_event, "asked for", nullptr};
+  check_estimator(stack, options);
+  DeterministicOptions solver{.tolerance = kSolverShare * options.tolerance, .stop = &interrupted};
+  if (options.estimator == "deterministic") {
+    solver.max_seconds = options.seconds.value_or(kSeconds);
+    end_where_it_ended(solver, options);
+    const auto solution =
+        std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+    return {Estimator::deterministic, "asked for", solution};
+  }
+  if (!options.walk_options.empty())
+    return {of_walks, fmt::format("{} asks for walks", options.walk_options.front()), nullptr};
+  if (const auto reason = why_not_deterministic(stack)) return {of_walks, *reason, nullptr};
+  solver.max_nodes = kTrialNodes;
+  solver.max_modes = kTrialModes;
+  solver.max_seconds = kTrialSeconds;
+  end_where_it_ended(solver, options);
+  const auto solution =
+      std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+  const DeterministicAccuracy& reached = solution->accuracy();
+  if (reached.reached) return {Estimator::deterministic, reached_by(*solution), solution};
+  // A walk would keep no more than its first checkpoint of one direction.
+  if (reached.limit == DeterministicLimit::interrupted && reached.error < 1)
+    return {Estimator::deterministic, reached_by(*solution) + ", when it was interrupted",
+            solution};
+  return {of_walks,
+          fmt::format("the solver reaches no more than {}, short of --tolerance {}",
+                      cost_of(reached), to_text(options.tolerance)),
+          nullptr};
+}
+
+std::string reached_by(const DeterministicSolution& solution) {
+  return "the solver reaches " + cost_of(solution.accuracy());
+}
+
+std::shared_ptr<const DeterministicSolution> refined(const Stack& stack, const Options& options) {
+  DeterministicOptions solver{.tolerance = kRefinedShare * options.tolerance,
+                              .max_seconds = options.seconds.value_or(kSeconds),
+                              .stop = &interrupted};
+  end_where_it_ended(solver, options);
+  return std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+}
+
+std::string estimator_text(const EstimatorChoice& choice, const Options& options) {
+  return fmt::format("{} estimator{}, {}", to_text(choice.estimator),
+                     options.estimator == "auto" ? fmt::format(" (auto: {})", choice.reason) : "",
+                     choice.solution ? fmt::format("tolerance {}", to_text(options.tolerance))
+                                     : fmt::format("seed {}", options.seed));
+}
+
+}  // namespace lamella

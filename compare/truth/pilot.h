@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "compare/options/options.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+
+/// What short runs of both estimators of walks say about a stack.
+struct Pilot {
+  Estimator best = Estimator::analog;
+  double advantage = 1;  ///< time x variance of the other one over that of the best
+};
+
+/// Runs both for a twentieth of a second each and compares seconds times variance: of the lobes'
+/// energies where --target-error is what ends the run, else of all orders' cells. The answer may
+/// differ between runs where both are about as good: files record which one was taken.
+[[nodiscard]] Pilot pilot(const Stack& stack, const Plan& plan, Direction incident, CellGrid grid,
+                          const Options& options);
+
+/// "pilot: next-event has 5.3 times less time x variance".
+[[nodiscard]] std::string to_text(const Pilot& pilot);
+
+}  // namespace lamella

@@ -1,0 +1,122 @@
+#include "compare/truth/point_truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <tuple>
+
+#include "phase/stack/single_scattering.h"
+
+namespace lamella {
+namespace {
+
+void refuse_double_grazing(const DirectionPair& pair) {
+  if (pair.wi.z == 0 && pair.wo.z == 0)
+    throw std::invalid_argument("both cosines are 0; allowed: at most one");
+}
+
+// The azimuth of w_o relative to w_i.
+double relative_azimuth(Direction wi, Direction wo) {
+  return std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
+}
+
+}  // namespace
+
+std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
+                                 const std::vector<DirectionPair>& pairs, std::uint64_t walks,
+                                 std::uint64_t seed, const std::atomic<bool>* interrupted) {
+  struct Point {
+    std::size_t pair;
+    Direction wo;
+    double factor;  // of reversing the pair
+  };
+  const auto key = [](Direction w) { return std::tuple(w.x, w.y, w.z); };
+  std::map<std::tuple<double, double, double>, std::vector<Point>> by_incident;
+  std::vector<TruthValue> values(pairs.size());
+  const bool reciprocal = stack.is_reciprocal();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    refuse_double_grazing(pairs[k]);
+    Direction wi = with_grazing_limit(pairs[k].wi), wo = with_grazing_limit(pairs[k].wo);
+    if (wi.z < 0 && !stack.is_open_below())
+      throw std::invalid_argument(stack.substrate
+                                      ? "light from below meets an opaque substrate"
+                                      : "light from below cannot come through a half space");
+    if (wo.z < 0 && !stack.is_open_below()) continue;  // nothing gets there
+    double factor = 1;
+    if (reciprocal && std::abs(wo.z) < std::abs(wi.z)) {
+      // f_T(from above) = f_T(from below, reversed) exp(-S)
+      if ((wi.z > 0) != (wo.z > 0))
+        factor = std::exp(wi.z > 0 ? -stack.one_sidedness() : stack.one_sidedness());
+      std::swap(wi, wo);
+    }
+    by_incident[key(wi)].push_back({k, wo, factor});
+  }
+  for (auto& [incident, points] : by_incident) {
+    std::stable_partition(points.begin(), points.end(), [](const Point& p) { return p.wo.z > 0; });
+    std::vector<Direction> directions;
+    for (const Point& p : points) directions.push_back(p.wo);
+    const auto [x, y, z] = incident;
+    Simulation simulation(stack, plan, {x, y, z}, directions, seed);
+    run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, interrupted);
+    const std::size_t count = points.size();
+    for (std::size_t j = 0; j < count; ++j)
+      for (int c = 0; c < 3; ++c) {
+        const int channel = std::min(c, plan.channels - 1);
+        const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+          double sum = 0;
+          for (int o = 0; o < kTallyOrders; ++o)
+            sum += b.f[(static_cast<std::size_t>(o) * plan.channels + channel) * count + j];
+          return sum;
+        });
+        values[points[j].pair].f[c] = points[j].factor * e.value;
+        values[points[j].pair].standard_error[c] = points[j].factor * e.standard_error;
+      }
+  }
+  return values;
+}
+
+std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
+                                 const std::vector<DirectionPair>& pairs) {
+  // A field holds every pair of its cosines: few at a time, sorted so that pairs share them.
+  constexpr std::size_t kCosines = 64;
+  const Stack& stack = solution.stack();
+  std::vector<TruthValue> values(pairs.size());
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    refuse_double_grazing(pairs[k]);
+    if (pairs[k].wo.z >= 0 || stack.is_open_below()) order.push_back(k);
+  }
+  const auto cosines = [&](std::size_t k) {
+    return std::pair(with_grazing_limit(pairs[k].wi).z, with_grazing_limit(pairs[k].wo).z);
+  };
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return cosines(a) < cosines(b); });
+  for (std::size_t from = 0; from < order.size();) {
+    std::map<double, std::size_t> in, out;
+    std::size_t to = from;
+    for (; to < order.size(); ++to) {
+      const auto [mu_i, mu_o] = cosines(order[to]);
+      if ((in.size() == kCosines && !in.contains(mu_i)) ||
+          (out.size() == kCosines && !out.contains(mu_o)))
+        break;
+      in.try_emplace(mu_i, in.size());
+      out.try_emplace(mu_o, out.size());
+    }
+    std::vector<double> mu_i(in.size()), mu_o(out.size());
+    for (const auto& [mu, place] : in) mu_i[place] = mu;
+    for (const auto& [mu, place] : out) mu_o[place] = mu;
+    const DeterministicField field = solution.field(mu_i, mu_o);
+    for (; from < to; ++from) {
+      const Direction wi = with_grazing_limit(pairs[order[from]].wi);
+      const Direction wo = with_grazing_limit(pairs[order[from]].wo);
+      const DeterministicValue multiple =
+          field.multiple_refined(in.at(wi.z), out.at(wo.z), kPi - relative_azimuth(wi, wo));
+      const SingleScattering single = single_scattering(stack, wi, wo);
+      values[order[from]] = {multiple.order[4] + single.layers + single.substrate, multiple.error};
+    }
+  }
+  return values;
+}
+
+}  // namespace lamella

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "analytic/model/model.h"
+#include "volume/run/simulation.h"
+#include "volume/solver/deterministic.h"
+
+namespace lamella {
+
+/// f of a stack at a pair of directions with its standard error, or the solver's bound, per
+/// channel.
+struct TruthValue {
+  Rgb f, standard_error;
+};
+
+/// Next-event estimation at each pair, `walks` per incident direction. Where the stack is
+/// reciprocal and w_o is nearer to grazing than w_i, the reversed pair is simulated instead, whose
+/// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
+/// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
+/// The walks are on lanes of the plan's set where these have a kernel for the stack.
+/// `interrupted`, once set, ends each simulation at its next checkpoint.
+[[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
+                                               const std::vector<DirectionPair>& pairs,
+                                               std::uint64_t walks, std::uint64_t seed,
+                                               const std::atomic<bool>* interrupted = nullptr);
+
+/// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
+/// own cosines. standard_error is each pair's error bound.
+[[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
+                                               const std::vector<DirectionPair>& pairs);
+
+}  // namespace lamella

@@ -1,0 +1,274 @@
+#include "phase/grains/grain_geometry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "phase/math/direction.h"
+#include "phase/random/random.h"
+
+namespace lamella {
+namespace {
+
+// Grains of a tile unless the file says how large it is, and the smallest such tile in radii: what
+// a path meets twice because of the period is of the order of one grain in this many.
+constexpr double kUsualGrains = 20000, kUsualTile = 40;
+// Trials in a row after which a packing counts as out of reach.
+constexpr int kTrials = 200000;
+
+double sphere_volume(double radius) { return 4 * kPi / 3 * radius * radius * radius; }
+
+/// The spheres that stand so far, found by the cell of a grid they lie in: cells of an edge of at
+/// least a diameter, so that only neighbours can overlap. Periodic in x and y.
+class Packing {
+ public:
+  explicit Packing(const GrainGeometry& g)
+      : g_(g),
+        nx_(std::max(1, static_cast<int>(g.tile / (2 * g.radius)))),
+        nz_(std::max(1, static_cast<int>(g.thickness / (2 * g.radius)))),
+        cells_(static_cast<std::size_t>(nx_) * nx_ * nz_) {}
+
+  [[nodiscard]] bool has_room_for(Direction p) const {
+    const int x = lateral(p.x), y = lateral(p.y), z = level(p.z);
+    // A grid of fewer than three cells would name a neighbour twice: harmless.
+    for (int k = std::max(0, z - 1); k <= std::min(nz_ - 1, z + 1); ++k)
+      for (int j = y - 1; j <= y + 1; ++j)
+        for (int i = x - 1; i <= x + 1; ++i)
+          for (const Direction& q : cells_[index((i + nx_) % nx_, (j + nx_) % nx_, k)])
+            if (overlap(p, q)) return false;
+    return true;
+  }
+  void add(Direction p) { cells_[index(lateral(p.x), lateral(p.y), level(p.z))].push_back(p); }
+
+ private:
+  [[nodiscard]] int lateral(double x) const {
+    return std::min(nx_ - 1, static_cast<int>(x / g_.tile * nx_));
+  }
+  [[nodiscard]] int level(double z) const {
+    return g_.thickness > 0 ? std::min(nz_ - 1, static_cast<int>(-z / g_.thickness * nz_)) : 0;
+  }
+  [[nodiscard]] std::size_t index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * nx_ + y) * nx_ + x;
+  }
+  [[nodiscard]] bool overlap(Direction p, Direction q) const {
+    Direction d = p - q;
+    d.x -= g_.tile * std::round(d.x / g_.tile);
+    d.y -= g_.tile * std::round(d.y / g_.tile);
+    return dot(d, d) < 4 * g_.radius * g_.radius;
+  }
+
+  const GrainGeometry& g_;
+  int nx_, nz_;
+  std::vector<std::vector<Direction>> cells_;
+};
+
+std::vector<Direction> packed(const GrainGeometry& g, RandomStream& stream) {
+  const auto count = static_cast<std::size_t>(g.expected_count() + stream.uniform());
+  std::vector<Direction> centres;
+  centres.reserve(count);
+  Packing packing(g);
+  while (centres.size() < count) {
+    int trial = 0;
+    Direction p{};
+    do {
+      if (trial++ == kTrials)
+        throw PackingError(g.packing, g.packing * static_cast<double>(centres.size()) /
+                                          static_cast<double>(count));
+      p = {g.tile * stream.uniform(), g.tile * stream.uniform(), -g.thickness * stream.uniform()};
+    } while (!packing.has_room_for(p));
+    packing.add(p);
+    centres.push_back(p);
+  }
+  return centres;
+}
+
+/// A Poisson process: exponential steps along one axis, uniform across it.
+std::vector<Direction> scattered(const GrainGeometry& g, RandomStream& stream) {
+  std::vector<Direction> centres;
+  const double expected = g.expected_count();
+  centres.reserve(static_cast<std::size_t>(expected + 4 * std::sqrt(expected)));
+  // Along the axis in units of its length: the step is 1 / expected in the mean.
+  for (double at = stream.exponential(); at < expected; at += stream.exponential()) {
+    const double along = at / expected, u = stream.uniform();
+    if (g.is_bed())
+      centres.push_back({g.tile * u, g.tile * stream.uniform(), -g.thickness * along});
+    else
+      centres.push_back({g.tile * along, g.tile * u, 0});
+  }
+  return centres;
+}
+
+ParameterInfo number(std::string name, std::string unit, std::string doc, double min, double max,
+                     std::string default_value = {}) {
+  return {.name = std::move(name),
+          .unit = std::move(unit),
+          .doc = std::move(doc),
+          .default_value = std::move(default_value),
+          .min = min,
+          .max = max,
+          .min_open = true,
+          .max_open = true};
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ParameterInfo surface(std::vector<std::string> choices) {
+  return {.name = "surface",
+          .kind = ParameterKind::choice,
+          .unit = "1",
+          .doc = "of a grain",
+          .default_value = "lambert",
+          .choices = std::move(choices)};
+}
+
+ParameterInfo f0() {
+  return {.name = "f0",
+          .kind = ParameterKind::color,
+          .unit = "1",
+          .doc = "Schlick's reflectance at normal incidence of mirrors and conductors (default 1)",
+          .min = 0,
+          .max = 1};
+}
+
+ParameterInfo tile() {
+  return number("tile", "mm", "lateral period (default: wide enough not to matter)", 0, kInfinity);
+}
+
+std::vector<ParameterInfo> bed_parameters(ParameterInfo packing) {
+  return {number("radius", "mm", "of the spheres", 0, kInfinity),
+          std::move(packing),
+          number("thickness", "mm", "centres lie in [-thickness, 0]", 0, kInfinity),
+          surface({"lambert", "mirror"}),
+          f0(),
+          tile()};
+}
+
+}  // namespace
+
+double GrainGeometry::number_density() const {
+  return is_bed() ? packing / sphere_volume(radius) : -std::log1p(-tau0) / (kPi * radius * radius);
+}
+
+double GrainGeometry::expected_count() const {
+  return number_density() * tile * tile * (is_bed() ? thickness : 1);
+}
+
+PackingError::PackingError(double asked, double reached)
+    : std::runtime_error(fmt::format(
+          "packed_sphere_bed: packing {:g} is out of reach: {:.4f} stood when {} trials in a row "
+          "found no room; allowed: less (random sequential addition ends near 0.38)",
+          asked, reached, kTrials)) {}
+
+std::vector<Direction> place_grains(const GrainGeometry& geometry, std::uint64_t seed,
+                                    std::uint64_t realisation) {
+  RandomStream stream(seed, realisation, StreamPurpose::geometry);
+  return geometry.placement == GrainPlacement::packed_sphere_bed ? packed(geometry, stream)
+                                                                 : scattered(geometry, stream);
+}
+
+const std::vector<GeometryInfo>& geometries() {
+  static const std::vector<GeometryInfo> list{
+      {.name = "sphere_bed",
+       .placement = GrainPlacement::sphere_bed,
+       .doc = "equal spheres whose centres are a Poisson process, overlapping where they will",
+       .source = "d'Eon 2021, Lambert-sphere BRDF, figure 1; d'Eon and Weidlich 2024, VMF Diffuse, "
+                 "figures 2, 5, 6",
+       .parameters = bed_parameters(
+           number("packing", "1",
+                  "number density times the volume of a sphere; the spheres fill 1 - exp(-packing)",
+                  0, kInfinity))},
+      {.name = "packed_sphere_bed",
+       .placement = GrainPlacement::packed_sphere_bed,
+       .doc = "equal spheres that do not overlap, by random sequential addition",
+       .source = "Torquato 2002, Random Heterogeneous Materials",
+       .parameters = bed_parameters(
+           number("packing", "1", "number density times the volume of a sphere", 0, 0.384))},
+      {.name = "micrograins",
+       .placement = GrainPlacement::micrograins,
+       .doc = "half ellipsoids on the substrate (black if there is none), their centres a Poisson "
+              "process",
+       .source = "Lucas et al. 2023, A Micrograin BSDF Model for the Rendering of Porous Layers",
+       .parameters = {{.name = "tau0",
+                       .unit = "1",
+                       .doc = "filling factor: share of the plane under grains",
+                       .min = 0,
+                       .max = 1,
+                       .max_open = true},
+                      {.name = "beta",
+                       .unit = "1",
+                       .doc = "anfractuosity: height of a grain over its radius",
+                       .min = 0.001,
+                       .max = 1},
+                      number("radius", "mm", "horizontal, of a grain", 0, kInfinity, "1"),
+                      surface({"lambert", "dielectric", "conductor"}),
+                      f0(),
+                      number("ior", "1", "index of refraction of dielectric grains (default 1.5)",
+                             1, kInfinity),
+                      tile()}}};
+  return list;
+}
+
+const GeometryInfo* find_geometry(std::string_view name) {
+  const auto& list = geometries();
+  const auto it = std::find_if(list.begin(), list.end(),
+                               [&](const GeometryInfo& info) { return info.name == name; });
+  return it == list.end() ? nullptr : &*it;
+}
+
+GrainGeometry make_geometry(const GeometryInfo& info, Parameters& p) {
+  const auto needed = [&](const char* key) {
+    if (!p.has(key))
+      throw ParameterError(key, "nothing", allowed_values(*find(info.parameters, key)));
+    return p.number(key);
+  };
+  GrainGeometry g;
+  g.placement = info.placement;
+  g.radius = needed("radius");
+  if (g.is_bed()) {
+    g.packing = needed("packing");
+    g.thickness = needed("thickness");
+  } else {
+    g.tau0 = needed("tau0");
+    g.beta = needed("beta");
+    g.thickness = g.beta * g.radius;
+  }
+  const std::string& kind = p.choice("surface");
+  g.surface = kind == "mirror"       ? GrainSurface::mirror
+              : kind == "dielectric" ? GrainSurface::dielectric
+              : kind == "conductor"  ? GrainSurface::conductor
+                                     : GrainSurface::lambert;
+  if (g.surface == GrainSurface::mirror || g.surface == GrainSurface::conductor) {
+    if (!p.has("f0")) p.set("f0", Rgb(1));
+  } else if (p.has("f0")) {
+    throw ParameterError("f0", to_text(p.at("f0")), "nothing: only mirrors and conductors have f0");
+  }
+  if (g.surface == GrainSurface::dielectric) {
+    if (!p.has("ior")) p.set("ior", 1.5);
+    g.ior = p.number("ior");
+  } else if (p.has("ior")) {
+    throw ParameterError("ior", to_text(p.at("ior")), "nothing: only dielectric grains have ior");
+  }
+  if (p.has("tile")) {
+    g.tile = p.number("tile");
+    if (g.tile < 4 * g.radius)
+      throw ParameterError(
+          "tile", to_text(g.tile),
+          fmt::format("a number in [{}, inf), four radii or more", to_text(4 * g.radius)));
+  } else {
+    g.tile = 1;
+    const double one = g.expected_count();
+    g.tile = kUsualTile * g.radius;
+    if (g.is_bed()) g.tile = std::max(g.tile, std::sqrt(kUsualGrains / one));
+    p.set("tile", g.tile);
+  }
+  if (!(g.expected_count() <= kMostGrains))
+    throw ParameterError(
+        "tile", to_text(g.tile),
+        fmt::format("one with {:g} grains at most: {:.3g} stand in it (tile, thickness or packing "
+                    "are too large, or the radius is too small)",
+                    kMostGrains, g.expected_count()));
+  return g;
+}
+
+}  // namespace lamella

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "phase/math/vec3.h"
+#include "phase/parameters/parameters.h"
+
+namespace lamella {
+
+/// How grains are placed.
+enum class GrainPlacement {
+  sphere_bed,         ///< equal spheres, centres a Poisson process: they may overlap
+  packed_sphere_bed,  ///< equal spheres by random sequential addition: none overlaps another
+  micrograins         ///< upper halves of ellipsoids on the plane z = 0, centres a Poisson process
+};
+
+/// What light does at a grain.
+enum class GrainSurface {
+  lambert,     ///< Lambert's law
+  mirror,      ///< mirrored, with Schlick's factor of f0
+  dielectric,  ///< Fresnel's reflection over a Lambertian base
+  conductor    ///< as mirror: what micrograins call it
+};
+
+/// Explicit micro-geometry that stands alone on a stack's substrate: grains in a square tile that
+/// repeats in x and y. Lengths in mm.
+///
+/// Beds: centres in [-thickness, 0], so spheres stand out by a radius at both sides. Micrograins:
+/// half ellipsoids of horizontal radius `radius` and height beta * radius.
+struct GrainGeometry {
+  GrainPlacement placement = GrainPlacement::sphere_bed;
+  GrainSurface surface = GrainSurface::lambert;
+  double radius = 1;     ///< in (0, infinity)
+  double packing = 0;    ///< number density times the volume of a sphere; beds only
+  double thickness = 0;  ///< beds: range of the centres; micrograins: their height
+  double tau0 = 0;       ///< filling factor in [0, 1); micrograins only
+  double beta = 1;       ///< height over radius in (0, 1]; 1 for beds
+  double tile = 1;       ///< lateral period, at least 4 radii
+  double ior = 1.5;      ///< of a dielectric, above 1
+
+  [[nodiscard]] bool is_bed() const { return placement != GrainPlacement::micrograins; }
+  /// Centres per volume [1/mm^3] of a bed, per area [1/mm^2] of micrograins.
+  [[nodiscard]] double number_density() const;
+  /// Mean number of grains in a tile.
+  [[nodiscard]] double expected_count() const;
+  /// Heights between which light meets grains: it enters at `top`.
+  [[nodiscard]] double top() const { return is_bed() ? radius : beta * radius; }
+  [[nodiscard]] double bottom() const { return is_bed() ? -thickness - radius : 0; }
+};
+
+/// More grains than a tile may hold, by any placement.
+inline constexpr double kMostGrains = 4e6;
+
+/// Random sequential addition did not reach the packing that was asked for.
+struct PackingError : std::runtime_error {
+  PackingError(double asked, double reached);
+};
+
+/// Centres of the grains of one realisation, x and y in [0, tile). The same for equal arguments.
+/// Poisson placements: their number is Poisson's, and beds come sorted from the top. Packed beds:
+/// as many as the packing says, a fraction decided at random. Throws PackingError.
+[[nodiscard]] std::vector<Direction> place_grains(const GrainGeometry& geometry, std::uint64_t seed,
+                                                  std::uint64_t realisation);
+
+/// A geometry as stack files and `lamella media` know it.
+struct GeometryInfo {
+  std::string name;
+  GrainPlacement placement;
+  std::string doc;
+  std::string source;
+  std::vector<ParameterInfo> parameters;  ///< its own keys, beside the albedo
+};
+
+[[nodiscard]] const std::vector<GeometryInfo>& geometries();
+
+/// The entry with that name, or nullptr.
+[[nodiscard]] const GeometryInfo* find_geometry(std::string_view name);
+
+/// Builds the geometry from checked parameters and completes them. Throws ParameterError.
+[[nodiscard]] GrainGeometry make_geometry(const GeometryInfo& info, Parameters& parameters);
+
+}  // namespace lamella

@@ -1,0 +1,155 @@
+#include "phase/medium/sggx.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <optional>
+
+#include "phase/math/clamped_cosines.h"
+#include "phase/medium/flake.h"
+
+namespace lamella {
+namespace {
+
+std::optional<SggxMatrix<double>> cholesky(const std::array<double, 6>& s) {
+  const auto [xx, yy, zz, xy, xz, yz] = s;
+  SggxMatrix<double> a{};
+  a.a00 = std::sqrt(xx);
+  a.a10 = xy / a.a00;
+  a.a20 = xz / a.a00;
+  a.a11 = std::sqrt(yy - a.a10 * a.a10);
+  a.a21 = (yz - a.a20 * a.a10) / a.a11;
+  a.a22 = std::sqrt(zz - a.a20 * a.a20 - a.a21 * a.a21);
+  const auto sound = [](double diagonal, double pivot) {  // false for NaN, too
+    return diagonal >= 1e-12 && diagonal <= 1e12 && pivot * pivot > 1e-12 * diagonal;
+  };
+  if (sound(xx, a.a00) && sound(yy, a.a11) && sound(zz, a.a22)) return a;
+  return std::nullopt;
+}
+
+std::array<double, 6> two_eigenvalues(double along, double across, Direction n) {
+  const double d = along - across;
+  return {across + d * n.x * n.x, across + d * n.y * n.y, across + d * n.z * n.z,
+          d * n.x * n.y,          d * n.x * n.z,          d * n.y * n.z};
+}
+
+}  // namespace
+
+Sggx::Sggx(const std::array<double, 6>& s)
+    : a_(cholesky(s).value()),
+      axial_(axial_form(s)),
+      symmetric_about_z_(s[0] == s[1] && s[3] == 0 && s[4] == 0 && s[5] == 0) {}
+
+std::array<double, 6> Sggx::surface_matrix(double alpha, Direction n) {
+  return two_eigenvalues(1, alpha * alpha, n);
+}
+
+std::array<double, 6> Sggx::fiber_matrix(double alpha, Direction t) {
+  return two_eigenvalues(alpha * alpha, 1, t);
+}
+
+bool Sggx::is_positive_definite(const std::array<double, 6>& s) { return cholesky(s).has_value(); }
+
+double Sggx::mirror_phase(Direction wi, Direction wo) const {
+  return density_of(half_vector(wi, wo)) / (4 * sigma(wi));
+}
+
+std::optional<Sggx::Axial> Sggx::axial_form(const std::array<double, 6>& s) {
+  const double xx = s[0], yy = s[1], zz = s[2], xy = s[3], xz = s[4], yz = s[5];
+  // S - lambda I has rank 1 for the double eigenvalue lambda, which any non-zero product of two
+  // off-diagonal entries gives; its columns then lie along the axis.
+  constexpr double kRounding = 1e-14;
+  const double scale = xx + yy + zz;
+  const auto form = [&](Direction n, double across2) -> std::optional<Axial> {
+    const double along2 = scale - 2 * across2;
+    if (!(along2 > 0 && across2 > 0)) return std::nullopt;
+    const auto back = two_eigenvalues(along2, across2, n);
+    for (int k = 0; k < 6; ++k)
+      if (std::abs(back[k] - s[k]) > kRounding * scale) return std::nullopt;
+    return Axial{n, std::sqrt(along2), std::sqrt(across2)};
+  };
+  if (xy == 0 && xz == 0 && yz == 0) {
+    if (auto axial = form({0, 0, 1}, xx)) return axial;
+    if (auto axial = form({1, 0, 0}, yy)) return axial;
+    return form({0, 1, 0}, zz);
+  }
+  const auto leaning = [&](double across2) {
+    const Direction columns[] = {
+        {xx - across2, xy, xz}, {xy, yy - across2, yz}, {xz, yz, zz - across2}};
+    const Direction* longest = &columns[0];
+    for (const Direction& c : columns)
+      if (dot(c, c) > dot(*longest, *longest)) longest = &c;
+    return form(normalized(*longest), across2);
+  };
+  if (xy != 0 && xz != 0 && yz != 0) return leaning(xx - xy * xz / yz);
+  // In a coordinate plane, the third axis has the double eigenvalue.
+  return leaning(xy != 0 ? zz : xz != 0 ? yy : xx);
+}
+
+double Sggx::diffuse_phase(Direction wi, Direction wo) const {
+  return axial_ ? diffuse_phase_about_axis(wi, wo) : diffuse_phase_over_lune(wi, wo);
+}
+
+double Sggx::diffuse_phase_about_axis(Direction wi, Direction wo) const {
+  // With c the cosine of u with the axis, v = along c / |A u| is that of m.
+  const ClampedCosines pair(wi, wo, axial_->axis);
+  const double along = axial_->along, across = axial_->across, ratio = across / along;
+  const auto norm = [&](double c) {
+    return std::hypot(across * std::sqrt((1 - c) * (1 + c)), along * c);
+  };
+  const auto integrand = [&](double c) {
+    const double q = norm(c);
+    return q * pair.overlap(std::clamp(along * c / q, -1.0, 1.0));
+  };
+  std::vector<double> breaks{0};
+  for (const double v : pair.kinks()) {
+    const double c = across * v / std::hypot(along * std::sqrt((1 - v) * (1 + v)), across * v);
+    breaks.insert(breaks.end(), {c, -c});
+  }
+  // |A u| turns where c is near the ratio of the axes (flat flakes), or 1 - c^2 near its inverse
+  // square (needles).
+  for (const double step : {0.25, 1.0, 4.0, 16.0, 64.0, 256.0}) {
+    const double c = ratio < 1 ? step * ratio : 1 - step / (ratio * ratio);
+    if (c > 0 && c < 1) breaks.insert(breaks.end(), {c, -c});
+  }
+  // Opposite directions see nothing in common but rounding, of either sign.
+  return std::max(integrate_panels(integrand, -1.0, 1.0, std::move(breaks)), 0.0) /
+         (kPi * kPi * sigma(wi));
+}
+
+double Sggx::diffuse_phase_over_lune(Direction wi, Direction wo) const {
+  using boost::math::quadrature::gauss_kronrod;
+  // With u on the sphere: 1 / (pi^2 sigma_i) times the integral of <A^T w_i, u> <A^T w_o, u> / |A
+  // u|. In the frame whose pole is the edge of the lune, u = (r cos psi, r sin psi, t), r^2 = 1 -
+  // t^2.
+  const Direction vi = a_.apply_transposed(wi), vo = a_.apply_transposed(wo);
+  const double li = length(vi), lo = length(vo);
+  const Direction i = (1 / li) * vi, o = (1 / lo) * vo;
+  Direction pole = cross(i, o);
+  const double sine = length(pole);
+  const double gap = std::atan2(sine, dot(i, o));  // angle between the two poles of the lune
+  if (gap >= kPi) return 0;
+  pole = sine > 1e-12 ? (1 / sine) * pole : frame_around(i).s;
+  const Direction side = cross(pole, i);
+
+  const Direction ai = a_.apply(i), as = a_.apply(side), ap = a_.apply(pole);
+  const double pp = dot(ap, ap);
+  const auto over_psi = [&](double t) {
+    const double r = std::sqrt((1 - t) * (1 + t));
+    const auto integrand = [&](double psi) {
+      const double c = std::cos(psi), s = std::sin(psi);
+      const Direction in_plane = c * ai + s * as;
+      const double norm2 =
+          r * r * dot(in_plane, in_plane) + 2 * r * t * dot(in_plane, ap) + t * t * pp;
+      return r * r * c * std::cos(psi - gap) / std::sqrt(norm2);
+    };
+    return gauss_kronrod<double, 21>::integrate(integrand, gap - kPi / 2, kPi / 2, 8, 1e-8);
+  };
+  // The ridge of 1 / |A u| may cross the lune anywhere; halves let the adaptive rule find it.
+  double sum = 0;
+  for (const double from : {-1.0, -0.5, 0.0, 0.5})
+    sum += gauss_kronrod<double, 21>::integrate(over_psi, from, from + 0.5, 8, 1e-8);
+  return lo * sum / (kPi * kPi);
+}
+
+}  // namespace lamella

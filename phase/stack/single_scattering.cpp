@@ -1,0 +1,76 @@
+#include "phase/stack/single_scattering.h"
+
+#include <cmath>
+#include <vector>
+
+namespace lamella {
+namespace {
+
+// (1 - exp(-x)) / x
+double mean_decay(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
+
+}  // namespace
+
+SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo) {
+  refuse_grid(stack, "single scattering in closed form");
+  stack.require_layers("single scattering");
+  wi = with_grazing_limit(wi);
+  wo = with_grazing_limit(wo);
+  const bool reflects = (wi.z < 0) == (wo.z < 0);
+  const bool from_above = wi.z > 0;
+  const double mi = std::abs(wi.z), mo = std::abs(wo.z);
+  SingleScattering result;
+  if (!reflects && !stack.is_open_below()) return result;
+
+  const int n = static_cast<int>(stack.layers.size());
+  std::vector<double> areas_i(n), areas_o(n);
+  for (int k = 0; k < n; ++k) {
+    areas_i[k] = sigma(stack.layers[k].medium, wi);
+    areas_o[k] = sigma(stack.layers[k].medium, -wo);
+  }
+  // Of the layers that transmitted light has yet to cross after each step. Summed from the far
+  // side: a difference of sums would lose what is thin beside what is thick or grazing.
+  std::vector<double> tau_o_far(n, 0.0);
+  if (!reflects)
+    for (int step = n - 1; step > 0; --step) {
+      const int k = from_above ? step : n - 1 - step;
+      tau_o_far[step - 1] =
+          tau_o_far[step] + optical_depth(stack.layers[k].depth(), areas_o[k], mo);
+    }
+  double tau_i = 0, tau_o = 0;
+  for (int step = 0; step < n; ++step) {
+    const int k = from_above ? step : n - 1 - step;
+    const Layer& layer = stack.layers[k];
+    const double depth = layer.depth();
+    const double si = areas_i[k], so = areas_o[k];
+    const double xi = optical_depth(depth, si, mi), xo = optical_depth(depth, so, mo);
+    const double outside = tau_i + (reflects ? tau_o : tau_o_far[step]);
+    if (si > 0 && depth > 0 && outside < 800) {
+      // Integral over the layer's depth of exp(-tau_i - tau_o), times sigma_i / (mu_i mu_o).
+      double transport = 0;
+      if (reflects) {
+        const double x = xi + xo;
+        // Thick: the depth cancels; thin: no difference of nearly equal numbers is taken.
+        transport = x < 1 ? depth * si / (mi * mo) * mean_decay(x)
+                          : si * -std::expm1(-x) / (si * mo + so * mi);
+      } else {
+        const double x = std::abs(xi - xo);
+        transport = std::exp(-std::min(xi, xo)) *
+                    (x < 1 ? depth * si / (mi * mo) * mean_decay(x)
+                           : si * -std::expm1(-x) / std::abs(si * mo - so * mi));
+      }
+      if (transport > 0) {
+        const PhaseValue p = phase(layer.medium, wi, wo);
+        result.layers += transport * std::exp(-outside) * p.density *
+                         (layer.albedo * schlick(layer.f0, p.schlick));
+      }
+    }
+    tau_i += xi;
+    tau_o += xo;
+  }
+  if (stack.substrate && reflects && from_above)
+    result.substrate = std::exp(-tau_i - tau_o) / kPi * stack.substrate->albedo;
+  return result;
+}
+
+}  // namespace lamella

@@ -1,0 +1,90 @@
+#include "phase/stack/stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace lamella {
+
+const GrainGeometry* Stack::grains() const {
+  return !layers.empty() && layers[0].grains ? &*layers[0].grains : nullptr;
+}
+
+void Stack::require_layers(const char* what) const {
+  if (grains())
+    throw std::invalid_argument(name + " is explicit geometry (" + layers[0].medium_name +
+                                "): " + what + " needs layers of media");
+}
+
+bool Stack::is_half_space() const { return !layers.empty() && std::isinf(layers.back().depth()); }
+
+bool Stack::has_grid() const {
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const Layer& l) { return l.grid && l.depth() > 0; });
+}
+
+bool Stack::is_grey() const {
+  return std::all_of(layers.begin(), layers.end(),
+                     [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); }) &&
+         (!substrate || (substrate->albedo.is_grey() && !substrate->parameters.has_color()));
+}
+
+bool Stack::is_symmetric_about_z() const {
+  return !has_grid() && std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
+    return lamella::is_symmetric_about_z(l.medium);
+  });
+}
+
+bool Stack::is_reciprocal() const {
+  return std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
+    const Direction n = mean_normal(l.medium);
+    return n.x == 0 && n.y == 0 && (n.z == 0 || !l.grid);
+  });
+}
+
+double Stack::one_sidedness() const {
+  double sum = 0;
+  for (const Layer& layer : layers) {
+    const double z = mean_normal(layer.medium).z;
+    if (z != 0) sum += layer.depth() * z;
+  }
+  return sum;
+}
+
+double Stack::uncollided(Direction w) const {
+  refuse_grid(*this, "uncollided light in closed form");
+  require_layers("an optical depth");
+  if (is_half_space()) return 0;
+  w = with_grazing_limit(w);
+  double optical_depth = 0;
+  for (const Layer& layer : layers)
+    optical_depth += layer.depth() * sigma(layer.medium, w) / std::abs(w.z);
+  return std::exp(-optical_depth);
+}
+
+void refuse_grid(const Stack& stack, const std::string& what) {
+  for (const Layer& layer : stack.layers)
+    if (layer.grid && layer.depth() > 0)
+      throw std::invalid_argument(layer.grid->where + ": key \"grid\": found \"" +
+                                  layer.grid->file + "\", but " + what +
+                                  " takes homogeneous layers only; allowed: no grid (lamella "
+                                  "homogenise makes such a stack)");
+}
+
+Stack whitened(Stack stack) {
+  for (Layer& layer : stack.layers) {
+    if (layer.grid) layer.grid->white = true;
+    layer.albedo = Rgb(1);
+    layer.f0 = Rgb(1);
+    if (layer.parameters.has("f0")) layer.parameters.set("f0", Rgb(1));
+  }
+  if (stack.substrate) {
+    stack.substrate->albedo = Rgb(1);
+    for (const char* key : {"albedo", "bulk_albedo", "f0"})
+      if (stack.substrate->parameters.has(key)) stack.substrate->parameters.set(key, Rgb(1));
+    stack.substrate->law = nullptr;
+  }
+  return stack;
+}
+
+}  // namespace lamella

@@ -1,0 +1,21 @@
+#include "phase/surface/fresnel.h"
+
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+
+namespace lamella {
+
+double fresnel_reflectance(double cosine, double ior) {
+  const double refracted = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+  const double s = (cosine - ior * refracted) / (cosine + ior * refracted);
+  const double p = (refracted - ior * cosine) / (refracted + ior * cosine);
+  return (s * s + p * p) / 2;
+}
+
+double mean_fresnel_reflectance(double ior) {
+  // In mu = t^2: near ior = 1 the reflectance rises steeply towards grazing.
+  return boost::math::quadrature::gauss<double, 60>::integrate(
+      [ior](double t) { return 4 * t * t * t * fresnel_reflectance(t * t, ior); }, 0.0, 1.0);
+}
+
+}  // namespace lamella

@@ -1,0 +1,42 @@
+#include "compare/truth/pilot.h"
+
+#include <gtest/gtest.h>
+
+#include "phase/stack/stack_file.h"
+
+namespace lamella {
+namespace {
+
+// The factors below are far from what either was measured at (some 40 and 20 on scalar kernels): a
+// pilot is short.
+TEST(Pilot, TakesNextEventForCellsAndAnalogForEnergiesOfSmoothFlakes) {
+  const Stack stack = parse_stack(
+      "[[layer]]\nmedium = \"vmf_flake\"\nroughness = 0.5\nalbedo = 0.4\nthickness = inf\n", "test",
+      "test");
+  Plan plan = make_plan(stack);
+  plan.isa = Isa::scalar;
+  const Direction wi = direction_from_degrees(60, 0);
+  Options options;
+  options.seconds = 1;
+  const Pilot cells = pilot(stack, plan, wi, CellGrid{16, 32, true}, options);
+  EXPECT_EQ(cells.best, Estimator::next_event);
+  EXPECT_GT(cells.advantage, 3);
+  options.target_error = 0.01;
+  const Pilot energies = pilot(stack, plan, wi, CellGrid{16, 32, true}, options);
+  EXPECT_EQ(energies.best, Estimator::analog);
+  EXPECT_GT(energies.advantage, 2);
+}
+
+TEST(Pilot, HasNothingToSayWithoutScattering) {
+  Options options;
+  options.seconds = 1;
+  const Stack stack = parse_stack(
+      "[[layer]]\nmedium = \"lambert_sphere\"\nalbedo = 0.0\nthickness = 1\n", "test", "test");
+  const Pilot found =
+      pilot(stack, make_plan(stack), direction_from_degrees(60, 0), CellGrid{4, 8, true}, options);
+  EXPECT_EQ(found.best, Estimator::analog);
+  EXPECT_EQ(found.advantage, 1);
+}
+
+}  // namespace
+}  // namespace lamella

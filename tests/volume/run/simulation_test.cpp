@@ -1,0 +1,49 @@
+#include "volume/run/simulation.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "phase/stack/builtin_stacks.h"
+
+namespace lamella {
+namespace {
+
+std::vector<double> scalar_sums(const Simulation& simulation) {
+  std::vector<double> sums;
+  for (const BatchTally& b : simulation.batches()) {
+    sums.insert(sums.end(), b.f.begin(), b.f.end());
+    for (const auto& order : b.energy.up) sums.insert(sums.end(), order.begin(), order.end());
+    sums.insert(sums.end(), b.energy.absorbed.begin(), b.energy.absorbed.end());
+  }
+  return sums;
+}
+
+std::vector<double> sums_with_threads(int threads, Estimator estimator,
+                                      const std::vector<std::uint64_t>& checkpoints) {
+  const Stack stack = load_stack("spongecake_plant");
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::task_arena arena(threads);
+  return arena.execute([&] {
+    Simulation simulation(stack, make_plan(stack), direction_from_degrees(60, 30), estimator,
+                          CellGrid{4, 8, false}, 7);
+    for (const std::uint64_t walks : checkpoints) simulation.advance(walks);
+    return scalar_sums(simulation);
+  });
+}
+
+TEST(Simulation, IsBitIdenticalForOneTwoAndSevenThreads) {
+  for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+    const auto one = sums_with_threads(1, estimator, {5000});
+    EXPECT_EQ(one, sums_with_threads(2, estimator, {5000}));
+    EXPECT_EQ(one, sums_with_threads(7, estimator, {5000}));
+  }
+}
+
+TEST(Simulation, IsBitIdenticalWhateverTheCheckpoints) {
+  const auto once = sums_with_threads(2, Estimator::analog, {5000});
+  EXPECT_EQ(once, sums_with_threads(2, Estimator::analog, {1, 130, 131, 2048, 4999, 5000}));
+}
+
+}  // namespace
+}  // namespace lamella

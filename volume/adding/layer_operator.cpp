@@ -1,0 +1,200 @@
+#include "volume/adding/layer_operator.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "phase/math/direction.h"
+#include "volume/adding/thin_layer.h"
+
+namespace lamella {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+// Optical depth, along the steepest node, of the layer that doubling starts from. In deep layers
+// the start's error in the energy adds up, so that they start thinner.
+double thin_start(double depth) { return depth > 10 ? 1.0 / 32768 : 1.0 / 256; }
+
+// Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance,
+// by elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
+MatrixXd solve_without_subtraction(const MatrixXd& product, const RowVectorXd& defect, MatrixXd b) {
+  const Index n = product.rows();
+  MatrixXd a = product.transpose();  // row sums of I - a are the defect
+  VectorXd v = defect.transpose();
+  VectorXd pivot(n);
+  for (Index k = 0; k < n; ++k) {
+    const Index rest = n - k - 1;
+    pivot[k] = v[k] + a.row(k).tail(rest).sum();
+    if (rest == 0) break;
+    const VectorXd column = a.col(k).tail(rest) / pivot[k];
+    a.bottomRightCorner(rest, rest).noalias() += column * a.row(k).tail(rest);
+    v.tail(rest) += column * v[k];
+    a.col(k).tail(rest) = column;
+  }
+  // I - a = L U with L = I - (columns below), U = pivots - (rows right); solve U^T L^T D = B.
+  for (Index k = 0; k < n; ++k) {
+    b.row(k) /= pivot[k];
+    const Index rest = n - k - 1;
+    if (rest > 0) b.bottomRows(rest).noalias() += a.row(k).tail(rest).transpose() * b.row(k);
+  }
+  for (Index k = n - 1; k >= 0; --k) {
+    const Index rest = n - k - 1;
+    if (rest > 0) b.row(k).noalias() += a.col(k).tail(rest).transpose() * b.bottomRows(rest);
+  }
+  return b;
+}
+
+// left[:, nodes] flux right[nodes, :]: light that crosses a plane between two events.
+MatrixXd chain(const MatrixXd& left, const MatrixXd& right, const VectorXd& flux) {
+  const Index n = flux.size();
+  return left.leftCols(n) * (flux.asDiagonal() * right.topRows(n));
+}
+
+// Share of each node's irradiance that a pile does not reflect: transmitted or absorbed.
+RowVectorXd not_reflected(const OperatorSide& side, const VectorXd& flux) {
+  const Index n = flux.size();
+  RowVectorXd lost = flux.transpose() * side.t[0].topLeftCorner(n, n);
+  lost += side.direct_in.head(n).transpose();
+  lost += side.absorbed.head(n);
+  return lost;
+}
+
+// Light that arrives at the front of `near`, with `far` behind it.
+OperatorSide one_side(const OperatorSide& near_front, const OperatorSide& near_back,
+                      const OperatorSide& far_front, const OperatorRules& rules) {
+  const Index n = rules.sets.nodes();
+  const VectorXd& flux = rules.sets.flux;
+  const auto beam = near_front.direct_in.asDiagonal();
+
+  // Between the two: `onward` goes towards far, `back` comes from it. In irradiance
+  // onward = source + (flux R_near) (flux R_far) onward.
+  Series onward, back;
+  back[0] = far_front.r[0] * beam;
+  const MatrixXd source = flux.asDiagonal() * (near_front.t[0].topRows(n) +
+                                               chain(near_back.r[0].topRows(n), back[0], flux));
+  const MatrixXd far_r = flux.asDiagonal() * far_front.r[0].topLeftCorner(n, n);
+  const MatrixXd turn = flux.asDiagonal() * near_back.r[0].topLeftCorner(n, n) * far_r;
+  MatrixXd crossing;
+  if (rules.mode == 0) {
+    const RowVectorXd defect =
+        not_reflected(far_front, flux) + not_reflected(near_back, flux) * far_r;
+    crossing = solve_without_subtraction(turn, defect, source);
+  } else {
+    crossing = (MatrixXd::Identity(n, n) - turn).partialPivLu().solve(source);
+  }
+  crossing = flux.cwiseInverse().asDiagonal() * crossing;
+  back[0] += chain(far_front.r[0], crossing, flux);
+  onward[0] = near_front.t[0] + chain(near_back.r[0], back[0], flux);
+  for (int k = 1; k <= rules.orders; ++k) {
+    onward[k] = near_front.t[k];
+    back[k] = far_front.r[k] * beam;
+    for (int l = 1; l < k; ++l) {
+      onward[k] += chain(near_back.r[l], back[k - l], flux);
+      back[k] += chain(far_front.r[l], onward[k - l], flux);
+    }
+  }
+
+  OperatorSide result;
+  for (int k = 0; k <= rules.orders; ++k) {
+    result.r[k] = near_front.r[k] + near_back.direct_out.asDiagonal() * back[k];
+    result.t[k] = far_front.direct_out.asDiagonal() * onward[k] + far_front.t[k] * beam;
+    for (int l = k == 0 ? 0 : 1; l < std::max(k, 1); ++l) {
+      const int m = k == 0 ? 0 : k - l;
+      result.r[k] += chain(near_back.t[l], back[m], flux);
+      result.t[k] += chain(far_front.t[l], onward[m], flux);
+    }
+  }
+  result.direct_in = near_front.direct_in.cwiseProduct(far_front.direct_in);
+  result.direct_out = near_front.direct_out.cwiseProduct(far_front.direct_out);
+  if (rules.mode == 0) {
+    result.absorbed = near_front.absorbed + far_front.absorbed * beam;
+    const auto nodes = flux.asDiagonal();
+    result.absorbed += near_back.absorbed.head(n) * nodes * back[0].topRows(n);
+    result.absorbed += far_front.absorbed.head(n) * nodes * onward[0].topRows(n);
+  }
+  return result;
+}
+
+}  // namespace
+
+LayerOperator add_layers(const LayerOperator& top, const LayerOperator& bottom,
+                         const OperatorRules& rules) {
+  return {one_side(top.above, top.below, bottom.above, rules),
+          one_side(bottom.below, bottom.above, top.below, rules)};
+}
+
+LayerOperator empty_layer(const OperatorRules& rules) {
+  const Index rows = rules.sets.out.size(), columns = rules.sets.in.size();
+  OperatorSide side;
+  side.r.fill(MatrixXd::Zero(rows, columns));
+  side.t.fill(MatrixXd::Zero(rows, columns));
+  side.direct_in = VectorXd::Ones(columns);
+  side.direct_out = VectorXd::Ones(rows);
+  side.absorbed = RowVectorXd::Zero(columns);
+  return {side, side};
+}
+
+LayerOperator lambert_substrate(double albedo, const OperatorRules& rules) {
+  LayerOperator result = empty_layer(rules);
+  for (OperatorSide* side : {&result.above, &result.below}) {
+    side->direct_in.setZero();
+    side->direct_out.setZero();
+    side->absorbed.setOnes();
+  }
+  if (rules.mode == 0) {
+    result.above.r[0].setConstant(albedo / kPi);
+    result.above.r[1] = result.above.r[0];
+    result.above.absorbed.setConstant(1 - albedo);
+  }
+  return result;
+}
+
+LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
+                                const OperatorRules& rules) {
+  const Index n = rules.sets.nodes();
+  double steepest = 0;
+  for (const VectorXd& area : scattering.sigma_in)
+    steepest = std::max(steepest, area.head(n).cwiseQuotient(rules.sets.in.head(n)).maxCoeff());
+  const bool infinite = std::isinf(depth);
+  const double start = thin_start(depth);
+  double thickness = infinite ? start / steepest : depth;
+  int doublings = infinite ? 200 : 0;
+  if (!infinite && thickness * steepest > start) {
+    doublings = static_cast<int>(std::ceil(std::log2(thickness * steepest / start)));
+    thickness = std::ldexp(depth, -doublings);
+  }
+  LayerOperator layer = thin_layer(scattering, thickness, rules);
+  for (int k = 0; k < doublings; ++k) {
+    const MatrixXd before = layer.above.r[0].topLeftCorner(n, n);
+    const OperatorSide& below = scattering.two_sided ? layer.above : layer.below;
+    OperatorSide above = one_side(layer.above, below, layer.above, rules);
+    if (!scattering.two_sided) layer.below = one_side(layer.below, layer.above, layer.below, rules);
+    layer.above = std::move(above);
+    thickness *= 2;
+    set_direct(layer, scattering, thickness, rules.sets);
+    if (!infinite) continue;
+    // At albedo 1 what is missing falls like 1 / thickness only. In irradiance: between grazing
+    // nodes f itself is large.
+    const VectorXd root = rules.sets.flux.cwiseSqrt();
+    const auto in_irradiance = [&](const MatrixXd& r) {
+      return (root.asDiagonal() * r * root.asDiagonal()).cwiseAbs().maxCoeff();
+    };
+    const double change = in_irradiance(layer.above.r[0].topLeftCorner(n, n) - before);
+    const bool opaque = layer.above.direct_in.head(n).maxCoeff() < 1e-17;
+    if (opaque && change <= 1e-17 * in_irradiance(before)) break;
+  }
+  if (scattering.two_sided) layer.below = layer.above;
+  if (infinite) {
+    // What is still transmitted is lost to the depth: nothing where light comes back from it.
+    layer.above.direct_in.setZero();
+    layer.above.direct_out.setZero();
+  }
+  return layer;
+}
+
+}  // namespace lamella

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "volume/kernel/layer_scattering.h"
+
+namespace lamella {
+
+/// Scattering orders that are kept apart: 1, 2, 3; index 0 is their sum with all higher ones.
+inline constexpr int kSeries = 4;
+using Series = std::array<Eigen::MatrixXd, kSeries>;
+
+/// What a pile of layers does, in one azimuthal mode, to light that arrives from one side. r and t
+/// are modes of the BSDF [1/sr], rows: outgoing directions, columns: incoming ones. Light that
+/// meets nothing is apart.
+struct OperatorSide {
+  Series r, t;
+  Eigen::VectorXd direct_in;    ///< share of a beam along `in` that crosses without a collision
+  Eigen::VectorXd direct_out;   ///< the same for the directions of `out`, light from this side
+  Eigen::RowVectorXd absorbed;  ///< share of a beam that is absorbed (mode 0 only)
+};
+
+/// Both sides: light from above and from below.
+struct LayerOperator {
+  OperatorSide above, below;
+};
+
+/// How operators are combined.
+struct OperatorRules {
+  const DirectionSets& sets;
+  int mode = 0;
+  int orders = 3;  ///< 1, 2, ... of the orders 1 to 3 that are followed
+};
+
+/// A homogeneous layer of depth `depth` (thickness times density; infinity: a half space), by
+/// doubling. The start is a layer so thin that order 1 and 2 make it: order 1 exact; order 2 exact
+/// but for the attenuation along its inner segment, whose first order is kept. What
+/// that leaves of an error shows in the energy at albedo 1: below 1e-10 at 12 nodes, 2e-12 at 24.
+[[nodiscard]] LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
+                                              const OperatorRules& rules);
+
+/// Top over bottom. Multiple reflections between them are summed by (I - R R)^-1: in mode 0 by an
+/// elimination without subtractions (Grassmann, Taksar and Heyman 1985), fed with what is
+/// transmitted and absorbed instead of with 1 - R R, so that every entry keeps its relative
+/// accuracy at albedo 1 and any depth.
+[[nodiscard]] LayerOperator add_layers(const LayerOperator& top, const LayerOperator& bottom,
+                                       const OperatorRules& rules);
+
+/// No layer at all: everything crosses.
+[[nodiscard]] LayerOperator empty_layer(const OperatorRules& rules);
+
+/// A Lambertian surface that transmits nothing.
+[[nodiscard]] LayerOperator lambert_substrate(double albedo, const OperatorRules& rules);
+
+}  // namespace lamella

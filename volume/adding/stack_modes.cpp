@@ -1,0 +1,73 @@
+#include "volume/adding/stack_modes.h"
+
+#include <algorithm>
+
+namespace lamella {
+
+GrazingMap grazing_map(const Stack& stack) {
+  constexpr double kPeaked = 0.6, kKnee = 0.15;
+  for (const Layer& layer : stack.layers)
+    if (const auto* hg = std::get_if<HenyeyGreenstein>(&layer.medium))
+      if (std::abs(hg->g) > kPeaked) return GrazingMap(kKnee);
+  return {};
+}
+
+StackModes::StackModes(const Stack& stack, int channel, DirectionSets sets, int orders)
+    : stack_(stack), channel_(channel), sets_(std::move(sets)), orders_(orders) {
+  for (const Layer& layer : stack.layers) {
+    const auto kind = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) {
+      return k.layer->albedo[channel] == layer.albedo[channel] &&
+             k.layer->f0[channel] == layer.f0[channel] &&
+             is_same_medium(k.layer->medium, layer.medium);
+    });
+    const std::size_t kind_index = kind - kinds_.begin();
+    if (kind == kinds_.end()) kinds_.push_back({&layer, {}});
+    const auto slab = std::find_if(slabs_.begin(), slabs_.end(), [&](const Slab& s) {
+      return s.kind == kind_index && s.depth == layer.depth();
+    });
+    layers_.push_back(slab - slabs_.begin());
+    if (slab == slabs_.end()) slabs_.push_back({kind_index, layer.depth()});
+  }
+}
+
+void StackModes::prepare(int modes) {
+  if (modes <= ready_) return;
+  ready_ = std::max(modes, std::max(8, 2 * ready_));
+  for (Kind& kind : kinds_) {
+    kind.scattering.clear();
+    kind.scattering.emplace_back(kind.layer->medium, kind.layer->albedo[channel_],
+                                 kind.layer->f0[channel_], sets_, ready_);
+  }
+}
+
+LayerOperator StackModes::mode(int m) const {
+  const OperatorRules rules{sets_, m, orders_};
+  std::vector<LayerOperator> solved;
+  for (const Slab& slab : slabs_)
+    solved.push_back(homogeneous_layer(kinds_[slab.kind].scattering[0], slab.depth, rules));
+  if (layers_.empty() && stack_.substrate)
+    return lambert_substrate(stack_.substrate->albedo[channel_], rules);
+  LayerOperator pile;
+  if (layers_.empty()) return empty_layer(rules);
+  pile = stack_.substrate
+             ? add_layers(solved[layers_.back()],
+                          lambert_substrate(stack_.substrate->albedo[channel_], rules), rules)
+             : solved[layers_.back()];
+  for (std::size_t k = layers_.size() - 1; k-- > 0;)
+    pile = add_layers(solved[layers_[k]], pile, rules);
+  return pile;
+}
+
+double StackModes::correction() const {
+  double largest = 0;
+  for (const Kind& kind : kinds_)
+    for (const LayerScattering& s : kind.scattering) largest = std::max(largest, s.correction);
+  return largest;
+}
+
+std::size_t StackModes::bytes_of(int modes) const {
+  return kinds_.size() * static_cast<std::size_t>(modes) * 4 *
+         static_cast<std::size_t>(sets_.out.size() * sets_.in.size()) * sizeof(double);
+}
+
+}  // namespace lamella

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "phase/stack/stack.h"
+#include "volume/adding/layer_operator.h"
+
+namespace lamella {
+
+/// The map of nodes that a stack converges fastest with: a knee where particles have a narrow peak.
+[[nodiscard]] GrazingMap grazing_map(const Stack& stack);
+
+/// The operator of a whole stack, mode by mode, for one colour channel on fixed directions. Equal
+/// layers are solved once.
+class StackModes {
+ public:
+  /// orders: how many of the orders 1 to 3 to keep apart.
+  StackModes(const Stack& stack, int channel, DirectionSets sets, int orders);
+
+  /// Makes the kernels of at least that many modes. `mode` needs them.
+  void prepare(int modes);
+  /// One mode; several may be asked for at once.
+  [[nodiscard]] LayerOperator mode(int m) const;
+  [[nodiscard]] const DirectionSets& sets() const { return sets_; }
+  /// Largest relative correction of a node's kernel that conservation of energy asked for.
+  [[nodiscard]] double correction() const;
+  /// Bytes held by the kernels' modes; what they would be for that many.
+  [[nodiscard]] std::size_t bytes() const { return bytes_of(ready_); }
+  [[nodiscard]] std::size_t bytes_of(int modes) const;
+
+ private:
+  struct Kind {
+    const Layer* layer;
+    std::vector<LayerScattering> scattering;  // none until asked for
+  };
+  struct Slab {
+    std::size_t kind;
+    double depth;
+  };
+
+  const Stack& stack_;
+  int channel_;
+  DirectionSets sets_;
+  int orders_;
+  int ready_ = 0;  // modes that the kernels hold
+  std::vector<Kind> kinds_;
+  std::vector<Slab> slabs_;          // distinct pairs of kind and depth
+  std::vector<std::size_t> layers_;  // index into slabs_, top down
+};
+
+}  // namespace lamella

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "phase/stack/stack.h"
+#include "volume/result/tally.h"
+
+namespace lamella {
+
+/// Cosines of normals, in equal steps over [-1, 1].
+inline constexpr int kNormalBins = 20;
+
+/// A statistical medium's normals fitted to those that light from above meets first, by maximum
+/// likelihood: flakes with the distribution D show the light from w the normal m with the density
+/// D(m) <w, m> / sigma(w). The error is from the scatter of fits to groups of realisations.
+struct NormalFit {
+  Estimate roughness;  ///< vMF: r in [0, 1]; SGGX: alpha of a surface about z, in [0.01, 1]
+  std::array<double, kNormalBins> first_normals{};  ///< what it predicts of `first_normals` below
+};
+
+/// What explicit geometry looks like as a medium. Lengths in mm.
+struct GrainMeasurement {
+  std::uint64_t realisations = 0, rays = 0;
+
+  // Beds, inside: at least a radius (two, of packed beds) away from both ends.
+  Estimate filled;        ///< share of the volume inside of grains
+  Estimate exposed;       ///< share of the grains' surface that lies in no other grain
+  Estimate surface_area;  ///< exposed surface per volume outside of grains [1/mm]
+  /// Exposed surface projected along w per volume outside of grains [1/mm], for w at the cosines
+  /// 1, 0.5, 0: the extinction that light from w meets. Also its mean over all w, a quarter of the
+  /// surface.
+  std::array<Estimate, 3> projected_area;
+  Estimate extinction;
+  /// Share of the exposed surface per bin of the normal's cosine with z.
+  std::array<Estimate, kNormalBins> normals;
+
+  // The first grains that light from above meets, by directions with the density cos / pi.
+  Estimate passed;                                  ///< share of that light that meets no grain
+  std::array<Estimate, kNormalBins> first_normals;  ///< share of the rest per bin of the cosine
+  NormalFit vmf, sggx;
+};
+
+/// Measures `realisations` realisations with `rays` rays and as many points each. Throws
+/// GeometryError without Embree.
+[[nodiscard]] GrainMeasurement measure_grains(const GrainGeometry& geometry, std::uint64_t seed,
+                                              std::uint64_t realisations, std::uint64_t rays);
+
+/// Media that a stack of explicit geometry can be replaced by.
+enum class Equivalent { lambert_sphere, vmf_flake, sggx };
+
+/// The stack of that medium over the same substrate. Its density is such that the mean projected
+/// area is the extinction measured (beds), or that it passes as much light at normal incidence as
+/// the filling factor leaves (micrograins). Beds that let less than 1e-3 of the light through
+/// become half spaces. Throws std::invalid_argument where there is none: Lambert spheres for
+/// anything but Lambertian beds, flakes for dielectric grains.
+[[nodiscard]] Stack equivalent_stack(const Stack& stack, const GrainMeasurement& measurement,
+                                     Equivalent medium);
+
+}  // namespace lamella

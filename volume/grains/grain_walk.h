@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "phase/stack/stack.h"
+#include "volume/grains/grain_scene.h"
+#include "volume/walk/scorers.h"
+
+namespace lamella {
+
+/// What walks among grains count beside the energies.
+enum class GrainScores {
+  nothing,
+  analog,      ///< light that leaves, in cells
+  next_event,  ///< every event's light, in cells: one direction in each, redrawn for every walk
+  points       ///< every event's light, at given directions
+};
+
+/// What every walk of a simulation among grains shares.
+struct GrainSetting {
+  GrainSetting(const Stack& stack, Direction incident, std::uint64_t seed, std::uint64_t max_order);
+
+  GrainGeometry geometry;
+  Rgb albedo, f0;
+  bool has_substrate;
+  Rgb substrate_albedo;
+  std::shared_ptr<const SurfaceLaw> substrate_law;  ///< where it is not Lambert's
+  Direction incident;
+  std::uint64_t seed, max_order;
+  /// Of a dielectric grain: Lambertian reflectance of the light that enters, so that an albedo of 1
+  /// loses nothing; and 1 minus the mean Fresnel reflectance.
+  Rgb inner{0};
+  double entering = 1;
+  /// Walks that share one realisation of the grains: as many as cost what building it costs.
+  std::uint64_t walks_per_realisation;
+};
+
+/// Least |mu| of light that is sent among grains: below, a period would be crossed too often.
+inline constexpr double kGrainGrazingLimit = 1e-3;
+
+/// Walks `from` to `to` of a batch. Walk i of batch b stands in the realisation number i /
+/// walks_per_realisation of that batch, turned about z by a random angle, so that the ensemble is
+/// symmetric about z; its numbers come from (seed, i * batches + b) as in any simulation.
+/// `targets`: the cells; `points`: the directions of GrainScores::points. C: channels.
+///
+/// Orders, weights and the ledger are those of `walk`: the light enters over the whole tile at the
+/// top, every grain or substrate that is met is an event, what leaves below a bed without substrate
+/// is transmitted. Rays that are lost (RayEnd::lost) count as unresolved.
+template <int C>
+void walk_among_grains(const GrainSetting& setting, GrainScores scores, const CellTargets& targets,
+                       const std::vector<Direction>& points, int batch, int batches,
+                       std::uint64_t from, std::uint64_t to, BatchTally& tally);
+
+}  // namespace lamella

@@ -1,0 +1,215 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "phase/random/random.h"
+#include "volume/voxels/density_grid.h"
+
+namespace lamella {
+
+/// A straight way through a density grid, one cell of constant majorant after another: a digital
+/// differential analyser whose cells are as large as their content allows, so that empty space is
+/// crossed in few steps. Lengths in mm from the start. The grid repeats in x and y.
+class GridMarch {
+ public:
+  /// x, y: any [mm]; height above the grid's lowest slice [mm], in [0, thickness]; d: unit, where
+  /// the way leads.
+  GridMarch(const DensityGrid& grid, double x, double y, double height, Direction d) : grid_(grid) {
+    const VoxelIndex n = grid.extent().voxels;
+    const Direction h = grid.voxel_size();
+    const double place[3] = {x / h.x, y / h.y, height / h.z};
+    rate_[0] = d.x / h.x;
+    rate_[1] = d.y / h.y;
+    rate_[2] = d.z / h.z;
+    for (int a = 0; a < 3; ++a) {
+      inverse_[a] = rate_[a] != 0 ? 1 / rate_[a] : std::numeric_limits<double>::infinity();
+      place_[a] = a < 2 ? place[a] - n[a] * std::floor(place[a] / n[a]) : place[a];
+      voxel_[a] = std::min(std::max(static_cast<int>(place_[a]), 0), n[a] - 1);
+    }
+    enter();
+  }
+
+  /// The cell that the way is in, and the length of its way there.
+  [[nodiscard]] const DensityGrid::Cell& cell() const { return *cell_; }
+  [[nodiscard]] double length() const { return length_; }
+  /// Any voxel of the cell: what names it.
+  [[nodiscard]] VoxelIndex somewhere() const { return voxel_; }
+  /// Length of the way before the cell.
+  [[nodiscard]] double before() const { return before_; }
+
+  /// The voxel that lies `s` further on in the cell, 0 <= s <= length().
+  [[nodiscard]] VoxelIndex voxel(double s) const {
+    VoxelIndex i;
+    for (int a = 0; a < 3; ++a) {
+      double x = place_[a] + s * rate_[a];
+      if (spans_[a]) x -= high_[a] * std::floor(x / high_[a]);
+      i[a] = std::min(std::max(static_cast<int>(x), low_[a]), high_[a] - 1);
+    }
+    return i;
+  }
+
+  /// On to the next cell; false if the way leaves the grid above or below (or never ends: a level
+  /// way along a cell as wide as the tile).
+  bool next() {
+    if (exit_axis_ < 0) return false;
+    const VoxelIndex n = grid_.extent().voxels;
+    for (int a = 0; a < 3; ++a) {
+      if (a == exit_axis_) continue;
+      place_[a] += length_ * rate_[a];
+      if (spans_[a]) place_[a] -= n[a] * std::floor(place_[a] / n[a]);
+      voxel_[a] = std::min(std::max(static_cast<int>(place_[a]), low_[a]), high_[a] - 1);
+    }
+    const int a = exit_axis_;
+    const bool up = rate_[a] > 0;
+    int i = up ? high_[a] : low_[a] - 1;
+    if (i < 0 || i >= n[a]) {
+      if (a == 2) return false;
+      i = up ? 0 : n[a] - 1;
+      place_[a] = up ? 0 : n[a];
+    } else {
+      place_[a] = up ? high_[a] : low_[a];
+    }
+    voxel_[a] = i;
+    before_ += length_;
+    enter();
+    return true;
+  }
+
+ private:
+  void enter() {
+    cell_ = &grid_.cell(voxel_);
+    const VoxelIndex n = grid_.extent().voxels;
+    const int mask = (kBlockVoxels << cell_->level) - 1;
+    length_ = std::numeric_limits<double>::infinity();
+    exit_axis_ = -1;
+    for (int a = 0; a < 3; ++a) {
+      low_[a] = voxel_[a] & ~mask;
+      high_[a] = std::min(low_[a] + mask + 1, n[a]);
+      spans_[a] = a < 2 && low_[a] == 0 && high_[a] == n[a];
+      if (spans_[a] || rate_[a] == 0) continue;
+      const double to = ((rate_[a] > 0 ? high_[a] : low_[a]) - place_[a]) * inverse_[a];
+      if (to < length_) {
+        length_ = to;
+        exit_axis_ = a;
+      }
+    }
+    if (!(length_ > 0)) length_ = 0;
+  }
+
+  const DensityGrid& grid_;
+  const DensityGrid::Cell* cell_ = nullptr;
+  double rate_[3], inverse_[3];  // voxels per mm, mm per voxel
+  double place_[3];              // in voxels
+  VoxelIndex voxel_, low_{}, high_{};
+  bool spans_[3]{};  // the cell is as wide as the tile: no sides there
+  int exit_axis_ = -1;
+  double length_ = 0, before_ = 0;
+};
+
+/// Cells that one way may cross before it counts as endless: a level one along empty rows.
+inline constexpr std::uint64_t kMostCells = std::uint64_t{1} << 27;
+
+enum class Flight { collided, left, endless };
+
+struct GridFlight {
+  Flight end = Flight::left;
+  double length = 0;   ///< of the way [mm], to the collision or out of the grid
+  VoxelIndex voxel{};  ///< where it collided
+};
+
+/// A voxel met more extinction than its cell's majorant: a defect.
+struct MajorantError : std::runtime_error {
+  MajorantError() : std::runtime_error("a density grid's majorant is below its content") {}
+};
+
+/// Free flight by delta tracking. `remaining` is the exponential number that is left of the flight;
+/// when the way leaves the grid, what it has not spent stays for the layer beyond. M: the kind of
+/// medium; w: where the light comes from, -d.
+template <class M>
+[[nodiscard]] GridFlight fly(const DensityGrid& grid, double x, double y, double height,
+                             Direction w, double& remaining, RandomStream& stream) {
+  GridMarch march(grid, x, y, height, -w);
+  const bool local = grid.is_local();
+  const double sigma = local ? 0 : std::get_if<M>(&grid.palette()[0])->sigma(w);
+  for (std::uint64_t cells = 0; cells < kMostCells; ++cells) {
+    const DensityGrid::Cell& cell = march.cell();
+    const double area =
+        local && cell.density > 0 ? grid.sigma_bound<M>(march.somewhere(), cell, w) : sigma;
+    const double majorant = grid.layer_density() * cell.density * area;
+    if (majorant > 0) {
+      const double end = march.length();
+      double at = 0;
+      for (;;) {
+        const double to = at + remaining / majorant;
+        if (!(to < end)) break;
+        at = to;
+        const VoxelIndex i = march.voxel(at);
+        const double rho = grid.density(i);
+        const double extinction =
+            grid.layer_density() * rho * (local && rho > 0 ? grid.sigma<M>(i, w) : sigma);
+        if (extinction > majorant * (1 + 1e-9)) throw MajorantError();
+        if (extinction >= majorant || stream.uniform() * majorant < extinction)
+          return {Flight::collided, march.before() + at, i};
+        remaining = stream.exponential();
+      }
+      remaining -= majorant * (end - at);
+      if (!(remaining > 0)) remaining = 1e-300;  // rounding; the next cell decides at once
+    }
+    if (!march.next())
+      return {std::isfinite(march.length()) ? Flight::left : Flight::endless,
+              march.before() + march.length(),
+              {}};
+  }
+  return {Flight::endless, march.before(), {}};
+}
+
+/// An unbiased estimate of the share of light from w that crosses the grid from a point in it to
+/// its top or bottom, by ratio tracking (Novak et al. 2014, "Residual ratio tracking for estimating
+/// attenuation in participating media"); once little of it is left, the estimate goes on with a
+/// chance.
+template <class M>
+[[nodiscard]] double ratio_tracked(const DensityGrid& grid, double x, double y, double height,
+                                   Direction w, RandomStream& stream) {
+  constexpr double kLittle = 0.1, kChance = 0.25;
+  GridMarch march(grid, x, y, height, -w);
+  const bool local = grid.is_local();
+  const double sigma = local ? 0 : std::get_if<M>(&grid.palette()[0])->sigma(w);
+  double share = 1, remaining = stream.exponential(), little = kLittle;
+  for (std::uint64_t cells = 0; cells < kMostCells; ++cells) {
+    const DensityGrid::Cell& cell = march.cell();
+    const double area =
+        local && cell.density > 0 ? grid.sigma_bound<M>(march.somewhere(), cell, w) : sigma;
+    const double majorant = grid.layer_density() * cell.density * area;
+    if (majorant > 0) {
+      const double end = march.length();
+      double at = 0;
+      for (;;) {
+        const double to = at + remaining / majorant;
+        if (!(to < end)) break;
+        at = to;
+        const VoxelIndex i = march.voxel(at);
+        const double rho = grid.density(i);
+        const double extinction =
+            grid.layer_density() * rho * (local && rho > 0 ? grid.sigma<M>(i, w) : sigma);
+        if (extinction > majorant * (1 + 1e-9)) throw MajorantError();
+        share *= 1 - extinction / majorant;
+        if (!(share > 0)) return 0;
+        if (share < little) {
+          if (stream.uniform() >= kChance) return 0;
+          share /= kChance;
+          little *= kLittle;
+        }
+        remaining = stream.exponential();
+      }
+      remaining -= majorant * (end - at);
+      if (!(remaining > 0)) remaining = 1e-300;
+    }
+    if (!march.next()) return share;
+  }
+  throw std::runtime_error(
+      "a shadow ray crossed 2^27 cells of a density grid without an end; allowed: directions "
+      "farther from the horizon");
+}
+
+}  // namespace lamella

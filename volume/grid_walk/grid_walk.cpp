@@ -1,0 +1,412 @@
+#include "volume/grid_walk/grid_walk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "volume/grid_walk/grid_march.h"
+#include "volume/run/simulation.h"
+#include "volume/walk/path_weight.h"
+#include "volume/walk/walk.h"
+
+namespace lamella {
+
+double common_period(const std::vector<double>& periods) {
+  constexpr int kMost = 1000;
+  for (int times = 1; times <= kMost && !periods.empty(); ++times) {
+    const double length = periods[0] * times;
+    if (std::all_of(periods.begin(), periods.end(), [&](double p) {
+          const double count = length / p;
+          return count > 0.5 && count < kMost + 0.5 &&
+                 std::abs(count - std::round(count)) <= 1e-9 * count;
+        }))
+      return length;
+  }
+  std::string list;
+  for (const double p : periods) list += (list.empty() ? "" : ", ") + to_text(p);
+  throw std::invalid_argument(
+      fmt::format("key \"size\": found the periods {} mm; allowed: periods of which a length holds "
+                  "whole numbers, at most {}",
+                  list, kMost));
+}
+
+GridWalkStack::GridWalkStack(const Stack& stack, const Plan& plan)
+    : has_substrate(stack.substrate.has_value()),
+      substrate_albedo{},
+      max_order(plan.max_order),
+      owned(plan.grids) {
+  const auto channels = [](Rgb c) { return std::array<double, 3>{c.r, c.g, c.b}; };
+  std::vector<double> x, y;
+  for (const int k : plan.layers) {
+    const Layer& layer = stack.layers[k];
+    const DensityGrid* grid = owned[k].get();
+    layers.push_back({&layer.medium, grid, layer.thickness, layer.density, channels(layer.albedo),
+                      channels(layer.f0), layer.f0 != Rgb(1)});
+    if (!grid) continue;
+    x.push_back(layer.grid->size_x);
+    y.push_back(layer.grid->size_y);
+  }
+  try {
+    tile_x = common_period(x);
+    tile_y = common_period(y);
+  } catch (const std::invalid_argument& error) {
+    std::string where;
+    for (const int k : plan.layers)
+      if (owned[k]) where = stack.layers[k].grid->where;
+    throw std::invalid_argument(where + ": " + error.what());
+  }
+  if (stack.substrate) substrate_albedo = channels(stack.substrate->albedo);
+}
+
+namespace {
+
+// Where light is: a layer, the place in the tile, and the depth below the layer's top [mm].
+struct Place {
+  int layer;
+  double x, y, z;
+};
+
+// The share of light from w that reaches the stack's surface from a place, estimated.
+double transmittance(const GridWalkStack& stack, Place at, Direction w, RandomStream& stream) {
+  // w points back to where the light comes from, so that it travels along -w.
+  const bool down = w.z > 0;
+  const int last = static_cast<int>(stack.layers.size()) - 1;
+  double share = 1;
+  while (at.layer >= 0 && at.layer <= last) {
+    const GridWalkLayer& l = stack.layers[at.layer];
+    const double length = (down ? l.thickness - at.z : at.z) / std::abs(w.z);
+    if (l.grid) {
+      share *= std::visit(
+          [&]<class M>(const M&) {
+            return ratio_tracked<M>(*l.grid, at.x, at.y, l.thickness - at.z, w, stream);
+          },
+          l.grid->palette()[0]);
+    } else if (l.density > 0) {
+      const double area = sigma(*l.medium, w);
+      if (area > 0) share *= std::exp(-l.density * area * length);
+    }
+    if (!(share > 0)) return 0;
+    if (std::isinf(length)) return share;
+    at.x -= w.x * length;
+    at.y -= w.y * length;
+    at.layer += down ? 1 : -1;
+    if (at.layer >= 0 && at.layer <= last) at.z = down ? 0 : stack.layers[at.layer].thickness;
+  }
+  return share;
+}
+
+// An event in the frame of a voxel's flakes.
+template <class Event>
+struct TurnedEvent {
+  Event event;
+  const Frame<double>* frame;  // nullptr: the world's
+
+  [[nodiscard]] PhaseValue density(Direction wo) const {
+    return event.density(frame ? frame->to_local(wo) : wo);
+  }
+  [[nodiscard]] Scatter sample(RandomStream& stream) const {
+    Scatter s = event.sample(stream);
+    if (frame) s.wo = renormalized(frame->to_world(s.wo));
+    return s;
+  }
+};
+template <class Event>
+TurnedEvent(Event, const Frame<double>*) -> TurnedEvent<Event>;
+
+// Scorers of the walk through grids: what an event sends straight out is worth `Transmittance`
+// along the way, which is asked for only where it is scored.
+template <int C>
+struct GridAnalogScorer {
+  AnalogScorer<C> analog;
+
+  void begin_walk(std::uint64_t, std::uint64_t) {}
+  template <class Event>
+  void event(const Place&, const Event&, const std::array<double, C>&, const GridWalkLayer*,
+             const std::array<double, C>&, std::uint64_t, RandomStream&) {}
+  void leave(Direction wo, const std::array<double, C>& weight, std::uint64_t order, bool delta) {
+    analog.leave(wo, weight, order, delta);
+  }
+  [[nodiscard]] bool finite() const { return true; }
+};
+
+template <int C>
+struct GridNullScorer {
+  void begin_walk(std::uint64_t, std::uint64_t) {}
+  template <class Event>
+  void event(const Place&, const Event&, const std::array<double, C>&, const GridWalkLayer*,
+             const std::array<double, C>&, std::uint64_t, RandomStream&) {}
+  void leave(Direction, const std::array<double, C>&, std::uint64_t, bool) {}
+  [[nodiscard]] bool finite() const { return true; }
+};
+
+// Next-event estimation. A way out through voxels is dear: on cells, each event sends its light to
+// one column of every row, drawn anew, for all of the row's.
+template <int C>
+class GridNextEventScorer {
+ public:
+  GridNextEventScorer(const GridWalkStack& stack, const CellTargets& cells, BatchTally& tally)
+      : stack_(stack), cells_(&cells), tally_(tally) {}
+  GridNextEventScorer(const GridWalkStack& stack, const std::vector<Direction>& points,
+                      BatchTally& tally)
+      : stack_(stack), points_(&points), tally_(tally) {}
+
+  void begin_walk(std::uint64_t seed, std::uint64_t index) {
+    if (!cells_) return;
+    RandomStream stream(seed, index, StreamPurpose::targets);
+    u_mu_ = stream.uniform();
+    u_phi_ = stream.uniform();
+  }
+
+  // layer: nullptr at the substrate. albedo: of the event, without Fresnel's factor.
+  template <class Event>
+  void event(const Place& at, const Event& event, const std::array<double, C>& weight,
+             const GridWalkLayer* layer, const std::array<double, C>& albedo, std::uint64_t order,
+             RandomStream& stream) {
+    const auto score = [&](int target, int count, Direction wo, double factor) {
+      const PhaseValue p = event.density(wo);
+      if (!(p.density > 0)) {
+        finite_ = finite_ && p.density == 0;
+        return;
+      }
+      const double transport =
+          factor * p.density * transmittance(stack_, at, -wo, stream) / std::abs(wo.z);
+      finite_ = finite_ && std::isfinite(transport);
+      double* sums =
+          tally_.f.data() + static_cast<std::size_t>(order_slot(order)) * C * count + target;
+      for (int c = 0; c < C; ++c) {
+        double share = weight[c] * albedo[c] * transport;
+        if (layer && layer->fresnel) share *= layer->f0[c] + (1 - layer->f0[c]) * p.schlick;
+        sums[static_cast<std::size_t>(c) * count] += share;
+      }
+    };
+    if (!cells_) {
+      const int count = static_cast<int>(points_->size());
+      for (int j = 0; j < count; ++j)
+        if (layer || (*points_)[j].z > 0) score(j, count, (*points_)[j], 1);
+      return;
+    }
+    const CellGrid& grid = cells_->grid;
+    const int columns = grid.columns(), count = cells_->count();
+    for (const bool up : {true, false}) {
+      if (!up && (!cells_->both_sides || !layer)) break;
+      for (int row = 0; row < grid.rows(); ++row) {
+        const int column = std::min(static_cast<int>(stream.uniform() * columns), columns - 1);
+        const double phi = cells_->incident_azimuth + 2 * kPi * (column + u_phi_) / grid.phi_cells;
+        const double mu2 = (grid.mu_cells - row - u_mu_) / grid.mu_cells;
+        const double mu = std::sqrt(mu2), s = std::sqrt(1 - mu2);
+        const Direction wo{s * std::cos(phi), s * std::sin(phi), up ? mu : -mu};
+        score(row * columns + column + (up ? 0 : grid.cells()), count, wo, columns);
+      }
+    }
+  }
+
+  void leave(Direction wo, const std::array<double, C>& weight, std::uint64_t order, bool delta) {
+    if (delta && cells_) AnalogScorer<C>(*cells_, tally_).leave(wo, weight, order, true);
+  }
+  [[nodiscard]] bool finite() const { return finite_; }
+
+ private:
+  const GridWalkStack& stack_;
+  const CellTargets* cells_ = nullptr;
+  const std::vector<Direction>* points_ = nullptr;
+  BatchTally& tally_;
+  double u_mu_ = 0, u_phi_ = 0;
+  bool finite_ = true;
+};
+
+// Lambert's law as an event: what the substrate does.
+struct SubstrateEvent {
+  [[nodiscard]] PhaseValue density(Direction wo) const { return {wo.z > 0 ? wo.z / kPi : 0, 0}; }
+  [[nodiscard]] Scatter sample(RandomStream& stream) const {
+    const double u1 = stream.uniform(), u2 = stream.uniform();
+    return {cosine_hemisphere(Direction{0, 0, 1}, u1, u2), 0};
+  }
+};
+
+// `walk` with a place in the tile: the same ledger, the same chance of survival.
+template <int C, class Scorer>
+void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t seed,
+                   std::uint64_t index, Scorer& scorer, BatchTally& tally) {
+  RandomStream stream(seed, index, StreamPurpose::walk);
+  EnergySums& energy = tally.energy;
+  const int last = static_cast<int>(stack.layers.size()) - 1;
+  Direction wi = incident;  // points back to where the light comes from
+  PathWeight<C> weight;
+  Place at{wi.z > 0 ? 0 : last, stack.tile_x * stream.uniform(), stack.tile_y * stream.uniform(),
+           0};
+  if (wi.z < 0) at.z = stack.layers[last].thickness;
+  std::uint64_t order = 0;
+  bool only_delta = true, last_delta = false;
+
+  for (;;) {
+    double remaining = stream.exponential();
+    const bool down = wi.z > 0;
+    bool endless = false;
+    GridFlight flight;
+    while (at.layer >= 0 && at.layer <= last) {
+      const GridWalkLayer& l = stack.layers[at.layer];
+      flight.end = Flight::left;
+      if (l.grid) {
+        flight = std::visit(
+            [&]<class M>(const M&) {
+              return fly<M>(*l.grid, at.x, at.y, l.thickness - at.z, wi, remaining, stream);
+            },
+            l.grid->palette()[0]);
+      } else {
+        flight.length = (down ? l.thickness - at.z : at.z) / std::abs(wi.z);
+        const double extinction = l.density * sigma(*l.medium, wi);
+        if (extinction > 0) {
+          const double free = remaining / extinction;
+          if (free < flight.length) {
+            flight.end = Flight::collided;
+            flight.length = free;
+          } else {
+            remaining = std::max(remaining - extinction * flight.length, 1e-300);
+          }
+        }
+      }
+      endless = flight.end == Flight::endless;
+      if (endless || !std::isfinite(flight.length)) break;  // in a half space: for good
+      at.x -= wi.x * flight.length;
+      at.y -= wi.y * flight.length;
+      at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
+      at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
+      if (flight.end == Flight::collided) {
+        at.z = std::clamp(at.z + wi.z * flight.length, 0.0, l.thickness);
+        break;
+      }
+      at.layer += down ? 1 : -1;
+      if (at.layer >= 0 && at.layer <= last) at.z = down ? 0 : stack.layers[at.layer].thickness;
+    }
+
+    const bool collides = flight.end == Flight::collided;
+    if (!endless && !collides && !(down && stack.has_substrate)) {  // leaves the stack
+      if (order == 0) {
+        weight.add_to(energy.uncollided);
+      } else {
+        auto& side = down ? energy.down : energy.up;
+        weight.add_to(side[order_slot(order)]);
+        if (only_delta)
+          weight.add_to(down ? energy.specular_down : energy.specular_up);
+        else
+          scorer.leave(-wi, weight.value, order, last_delta);
+      }
+      break;
+    }
+    if (endless || order == stack.max_order) {
+      weight.add_to(energy.unresolved);
+      break;
+    }
+    ++order;
+
+    if (!collides) {  // the substrate
+      only_delta = last_delta = false;
+      std::array<double, C> kept;
+      for (int c = 0; c < C; ++c) kept[c] = stack.substrate_albedo[c];
+      at.layer = last;
+      at.z = stack.layers[last].thickness;
+      const SubstrateEvent event;
+      scorer.event(at, event, weight.value, nullptr, kept, order, stream);
+      if (!weight.survives(kept, order, energy, stream)) break;
+      wi = -event.sample(stream).wo;
+      continue;
+    }
+
+    ++tally.collisions;
+    const GridWalkLayer& l = stack.layers[at.layer];
+    std::array<double, C> albedo;
+    for (int c = 0; c < C; ++c) albedo[c] = l.albedo[c];
+    Frame<double> frame;
+    const bool turned = l.grid && l.grid->has_orientation();
+    const Medium* medium = l.medium;
+    if (l.grid) {
+      medium = &l.grid->palette()[l.grid->palette_index(flight.voxel)];
+      if (turned) frame = frame_around(normalized(l.grid->axis(flight.voxel)));
+      if (l.grid->has_albedo()) {
+        const auto a = l.grid->albedo(flight.voxel);
+        for (int c = 0; c < C; ++c) albedo[c] *= a[c];
+      }
+    }
+    const bool alive = std::visit(
+        [&](const auto& m) {
+          const TurnedEvent event{m.collide(turned ? frame.to_local(wi) : wi, stream),
+                                  turned ? &frame : nullptr};
+          last_delta = m.is_delta();
+          if (!last_delta) {
+            only_delta = false;
+            scorer.event(at, event, weight.value, &l, albedo, order, stream);
+          }
+          const Scatter scatter = event.sample(stream);
+          std::array<double, C> kept = albedo;
+          if (l.fresnel)
+            for (int c = 0; c < C; ++c) kept[c] *= l.f0[c] + (1 - l.f0[c]) * scatter.schlick;
+          if (!weight.survives(kept, order, energy, stream)) return false;
+          wi = -scatter.wo;
+          return true;
+        },
+        *medium);
+    if (!alive) break;
+  }
+  ++tally.walks;
+  double check = wi.x + wi.y + wi.z + at.x + at.y + at.z;
+  for (int c = 0; c < C; ++c) check += weight.value[c];
+  if (!std::isfinite(check) || !scorer.finite()) throw NonFiniteError(seed, index, incident);
+}
+
+using RunBatch = std::function<void(int, std::uint64_t, std::uint64_t)>;
+
+// make_scorer(batch) gives the scorer of a batch.
+template <int C, class MakeScorer>
+RunBatch runner_with(std::shared_ptr<const GridWalkStack> stack, Direction incident,
+                     std::uint64_t seed, std::vector<BatchTally>& batches, MakeScorer make_scorer) {
+  return [=, &batches](int batch, std::uint64_t from, std::uint64_t to) {
+    auto scorer = make_scorer(batch);
+    for (std::uint64_t i = from; i < to; ++i) {
+      const std::uint64_t index = i * kBatches + batch;
+      scorer.begin_walk(seed, index);
+      walk_in_grids<C>(*stack, incident, seed, index, scorer, batches[batch]);
+    }
+  };
+}
+
+template <int C>
+RunBatch runner_of(std::shared_ptr<const GridWalkStack> stack, Direction incident,
+                   std::uint64_t seed, Estimator estimator, const CellTargets& targets,
+                   const std::vector<Direction>* points, std::vector<BatchTally>& batches) {
+  if (points && points->empty())
+    return runner_with<C>(stack, incident, seed, batches, [](int) { return GridNullScorer<C>(); });
+  if (points)
+    return runner_with<C>(stack, incident, seed, batches, [=, &batches](int batch) {
+      return GridNextEventScorer<C>(*stack, *points, batches[batch]);
+    });
+  if (estimator == Estimator::analog)
+    return runner_with<C>(stack, incident, seed, batches, [&targets, &batches](int batch) {
+      return GridAnalogScorer<C>{AnalogScorer<C>(targets, batches[batch])};
+    });
+  return runner_with<C>(stack, incident, seed, batches, [stack, &targets, &batches](int batch) {
+    return GridNextEventScorer<C>(*stack, targets, batches[batch]);
+  });
+}
+
+}  // namespace
+
+RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+                     Estimator estimator, const CellTargets& targets,
+                     const std::vector<Direction>* points, std::vector<BatchTally>& batches) {
+  const auto check = [](const char* what, Direction w) {
+    if (std::abs(w.z) < kGridGrazing)
+      throw std::invalid_argument(
+          fmt::format("{}: found mu = {:.3g} on a stack with a density grid; allowed: |mu| >= {}",
+                      what, w.z == kGrazingLimit ? 0 : w.z, kGridGrazing));
+  };
+  check("w_i", incident);
+  if (points)
+    for (const Direction& wo : *points) check("w_o", wo);
+  const auto walked = std::make_shared<const GridWalkStack>(stack, plan);
+  return plan.channels == 1
+             ? runner_of<1>(walked, incident, seed, estimator, targets, points, batches)
+             : runner_of<3>(walked, incident, seed, estimator, targets, points, batches);
+}  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): std::function owns the runner
+
+}  // namespace lamella

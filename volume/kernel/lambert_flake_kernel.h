@@ -1,0 +1,18 @@
+#pragma once
+
+#include "volume/kernel/azimuthal_kernel.h"
+
+namespace lamella {
+
+/// Modes of Lambertian flakes with a vertical axis. The azimuth of the normal integrates two
+/// clamped cosines to the product of their modes:
+///   K_m = 2 integral over v = m.z in [-1, 1] of D(v) c_m(mu_i, v) c_m(mu_o, v) dv,
+///   c_m(mu, v) = 1 / (2 pi) integral of max(0, mu v + sqrt(1 - mu^2) sqrt(1 - v^2) cos phi)
+///   cos(m phi) dphi in closed form,
+/// and one quadrature in v, with panels between the kinks of every c_m, serves all pairs.
+[[nodiscard]] KernelModes lambert_flake_modes(const Sggx& ndf, const Eigen::VectorXd& out,
+                                              const Eigen::VectorXd& in, int modes);
+[[nodiscard]] KernelModes lambert_flake_modes(const Vmf& ndf, const Eigen::VectorXd& out,
+                                              const Eigen::VectorXd& in, int modes);
+
+}  // namespace lamella

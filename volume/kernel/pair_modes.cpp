@@ -1,0 +1,46 @@
+#include "volume/kernel/pair_modes.h"
+
+#include <map>
+#include <utility>
+
+namespace lamella {
+namespace {
+
+AzimuthRule make_rule(double b, int modes) {
+  const double stretch = std::asinh(kPi / b);
+  // Points for the singularity, and for cosines (pi / 4 per mode at least, for the product with the
+  // kernel's own modes twice that).
+  const double near = 24 + 5 * stretch, uniform = 1.6 * modes + 8;
+  const int n = static_cast<int>(near + uniform);
+  const Quadrature& gauss = cached_gauss_legendre(n);
+  AzimuthRule rule{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
+  double y = 0;
+  for (int k = 0; k < n; ++k) {
+    // near / stretch asinh(y / b) + uniform y / pi = (near + uniform) u: concave, so that Newton's
+    // steps from the point before never overshoot.
+    const double target = (near + uniform) * gauss.points[k];
+    const auto slope = [&] { return near / stretch / std::hypot(y, b) + uniform / kPi; };
+    for (int step = 0; step < 100; ++step) {
+      const double change =
+          (target - near / stretch * std::asinh(y / b) - uniform * y / kPi) / slope();
+      y += change;
+      if (std::abs(change) <= 1e-15 * y) break;
+    }
+    rule.y[k] = y;
+    rule.weight[k] = gauss.weights[k] * (near + uniform) / slope() / kPi;
+  }
+  return rule;
+}
+
+}  // namespace
+
+const AzimuthRule& azimuth_rule(double b, int modes) {
+  const int power = static_cast<int>(std::floor(2 * std::log2(std::clamp(b, 1e-8, 2.0))));
+  thread_local std::map<std::pair<int, int>, AzimuthRule> rules;
+  const auto it = rules.find({power, modes});
+  if (it != rules.end()) return it->second;
+  return rules.emplace(std::pair(power, modes), make_rule(std::exp2(power / 2.0), modes))
+      .first->second;
+}
+
+}  // namespace lamella

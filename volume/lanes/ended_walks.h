@@ -1,0 +1,150 @@
+#pragma once
+
+// Walks that lanes have ended, on their way into sums. Only for sources of lamella_lanes().
+
+#include "volume/lanes/lane_pool.h"
+
+namespace lamella::LAMELLA_ISA {
+
+/// Walks that ended, until there are enough of them to count them at a stretch. kIndex: each in the
+/// sums of the batch that its index tells.
+template <int C, bool kIndex>
+struct EndedWalks {
+  static constexpr int kSize = 512, kRoom = kSize + (kSets + 1) * kLanes;
+  static constexpr int kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
+  static constexpr int place(WalkEnd end, std::uint32_t order) {
+    return static_cast<int>(end) * static_cast<int>(kRouletteOrder + 1) + static_cast<int>(order);
+  }
+  // Events, and as last bits whether one ended the walk and, of walks with weights, whether that
+  // was by thinning or the one too many.
+  static constexpr int kBits = C > 0 ? 2 : 1;
+  int size = 0;
+  std::uint64_t told = 0;  // of those counted
+  alignas(64) std::uint32_t events[kRoom];
+  alignas(64) std::uint32_t index[kRoom];
+  alignas(64) float x[kRoom];  // w_i of the last flight
+  alignas(64) float y[kRoom];
+  alignas(64) float z[kRoom];
+  alignas(64) float weight[C > 0 ? C : 1][kRoom];
+  bool finite = true;
+  // Per lane, so that no counter waits for itself.
+  std::uint32_t counted[kPlaces][kLanes] = {};
+
+  [[gnu::noinline]] void count_all(const LaneWalkTask& t) {
+    told += static_cast<std::uint64_t>(size);
+    const bool thins = t.walk.thinned_from > 0;
+    const bool cells = t.estimate == LaneEstimate::cells_counted;
+    const bool weighs = t.weighs();
+    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
+    Floats spoiled(0);  // or not a number
+    // What is a vector's work, then what is not, so that nothing waits in between.
+    for (int k = 0; k < size; k += kLanes) {
+      const Words met = Words::load(events + k);
+      const auto bit = [&](std::uint32_t value)
+                           LAMELLA_INLINE_LAMBDA { return !equal(met & Words(value), Words(0u)); };
+      LaneEnd<Words> of(shift_right<kBits>(met), bit(1),
+                        to_word_mask(Floats::load(z + k) > Floats(0)), t.walk.max_order);
+      if (thins) {
+        const Words spared = spared_of(t.walk.thinned_from, of.order);
+        spared.store(spared_of_walk + k);
+        // Without weights: thinned or absorbed, at an event that does both.
+        WordMask halves = bit(2);
+        if constexpr (C == 0)
+          halves = !equal(spared, spared_of(t.walk.thinned_from, of.order - Words(1u)));
+        const WordMask gone = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
+        of.end = select(gone & halves, Words(static_cast<std::uint32_t>(WalkEnd::thinned)), of.end);
+      }
+      const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
+      if (!cells || weighs || thins) at.store(place_of + k);
+      if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
+      if (!cells) continue;
+      targets_of(t, k, of, Words(nowhere) + at).store(target_of + k);
+      const Floats flat = Floats::load(x + k) + Floats::load(y + k);
+      const int n = size - k < kLanes ? size - k : kLanes;
+      spoiled = spoiled + select(first_lanes<float>(n), flat * Floats(0), Floats(0));
+    }
+    finite = finite && !any(!equal(spoiled, Floats(0)));
+    if (kIndex && t.batch_count > 1) {
+      count(t, [&](int j) LAMELLA_INLINE_LAMBDA -> LaneSums& {
+        return *t.batches[t.batch_of(index[j])].sums;
+      });
+    } else {
+      LaneSums& sums = *t.batches[0].sums;
+      count(t, [&](int) LAMELLA_INLINE_LAMBDA -> LaneSums& { return sums; });
+    }
+    size = 0;
+  }
+
+  void add_counts(LaneSums& sums) const {
+    for (int place = 0; place < kPlaces; ++place)
+      for (const std::uint32_t n : counted[place]) sums.ends[place] += n;
+  }
+
+ private:
+  alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom],
+      spared_of_walk[kRoom];
+
+  // sums_of(j): the sums that ended walk j counts in.
+  template <class SumsOf>
+  LAMELLA_INLINE void count(const LaneWalkTask& t, const SumsOf& sums_of) {
+    const bool thins = t.walk.thinned_from > 0;
+    const bool cells = t.estimate == LaneEstimate::cells_counted;
+    const bool weighs = t.weighs();
+    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
+    // A walk in a cell is counted nowhere else.
+    if (thins)
+      for (int j = 0; j < size; ++j) {
+        LaneSums& sums = sums_of(j);
+        const auto walks = std::uint32_t{1} << spared_of_walk[j];
+        if (cells && !weighs)
+          sums.cells[target_of[j]] += walks;
+        else
+          sums.ends[place_of[j]] += walks;
+      }
+    else if (cells && !weighs)
+      for (int j = 0; j < size; ++j) ++sums_of(j).cells[target_of[j]];
+    else
+      for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
+    for (int channel = 0; weighs && channel < t.channels; ++channel) {
+      const int first_cell = channel * nowhere;
+      for (int j = 0; j < size; ++j) {
+        LaneSums& sums = sums_of(j);
+        std::int64_t w =
+            C > 0 ? static_cast<std::int64_t>(weight[C > 0 ? channel : 0][j] * 0x1p32f)
+                  : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
+                                 order_of[j]];
+        if (thins) w <<= spared_of_walk[j];
+        sums.weights[channel * kPlaces + static_cast<int>(place_of[j])] += w;
+        if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
+          sums.cells[first_cell + static_cast<int>(target_of[j])] += w;
+      }
+    }
+  }
+
+  // [slot][target], or `elsewhere`.
+  LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, const LaneEnd<Words>& of,
+                                  Words elsewhere) const {
+    const Floats wz = Floats::load(z + k);
+    // w_o = -w_i: half a turn further than w_i.
+    Floats turns =
+        turns_of(Floats::load(y + k), Floats::load(x + k)) + Floats(0.5f - t.cells.azimuth_turns);
+    turns = turns - floor(turns);
+    if (t.cells.folded) turns = min(turns, Floats(1) - turns);
+    const Floats row =
+        min(nonnegative((Floats(1) - wz * wz) * Floats(t.cells.rows)), Floats(t.cells.rows - 0.5f));
+    const Floats column = min(turns * Floats(t.cells.phi_cells), Floats(t.cells.columns - 0.5f));
+    const WordMask down = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
+    const WordMask left =
+        (of.order > Words(0u)) &
+        (of.end <
+         Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed : WalkEnd::down)));
+    const int cells = t.cells.rows * t.cells.columns;
+    const Words below = select(down, Words(cells), Words(0u));
+    const Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
+    const Words target = to_words(row) * Words(t.cells.columns) + to_words(column) + below +
+                         slot * Words(t.cells.both_sides ? 2 * cells : cells);
+    return select(left, target, elsewhere);
+  }
+};
+
+}  // namespace lamella::LAMELLA_ISA

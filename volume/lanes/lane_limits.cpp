@@ -1,0 +1,156 @@
+// Which walks lanes take, and why not the others.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "volume/lanes/lane_marginals.h"
+#include "volume/lanes/lane_run.h"
+#include "volume/lanes/lane_setting.h"
+
+namespace lamella {
+namespace {
+
+constexpr double kDeepest = 1e4;  // a place in the bulk is rounded to 1e-3 of a mean free path
+constexpr double kNarrowestSggx = 0.02;  // smallest diagonal entry of A, over the largest
+constexpr double kNarrowestVmf = 0.01;   // alpha
+constexpr double kNarrowestHg = 0.97;    // at 0.99 thin layers are off by 5e-5
+constexpr double kMostGrazingPoint = 1e-4;
+constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
+constexpr double kDeepestFromBehind = 100;
+constexpr std::uint64_t kMostTabulatedOrders = 1 << 16;
+
+std::optional<std::string> why_not_medium(const LambertSphere&, double) { return std::nullopt; }
+std::optional<std::string> why_not_medium(const HenyeyGreenstein& m, double) {
+  if (std::abs(m.g) > kNarrowestHg) return "so narrow a forward peak asks for double";
+  return std::nullopt;
+}
+template <class Flakes>
+std::optional<std::string> why_not_medium(const Flakes& m, double depth) {
+  if constexpr (std::is_same_v<decltype(m.ndf), Vmf>) {
+    if (m.ndf.alpha() < kNarrowestVmf) return "vMF flakes this narrow ask for double";
+    // Light that sees their backs meets null collisions almost only: as many as its way is long.
+    const double up = m.ndf.axis().z;
+    if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
+      return "tilted vMF flakes, or deep ones that face down, ask for too many null collisions";
+  } else {
+    const auto& a = m.ndf.matrix();
+    const auto [least, most] = std::minmax({a.a00, a.a11, a.a22});
+    if (least < kNarrowestSggx * most || most > 1e3 || least < 1e-3)
+      return "SGGX flakes this narrow ask for double";
+  }
+  return std::nullopt;
+}
+
+// The largest value of p, as fixed point must hold it.
+double largest_density(const Medium& medium) {
+  if (const auto* mirror = std::get_if<MirrorFlakes<Sggx>>(&medium)) {
+    const SggxMatrix<double>& a = mirror->ndf.matrix();
+    const SggxMatrix<double> b = inverse_of(a);
+    // The norms bound |A u| above and below.
+    const double norm = std::sqrt(a.a00 * a.a00 + a.a10 * a.a10 + a.a11 * a.a11 + a.a20 * a.a20 +
+                                  a.a21 * a.a21 + a.a22 * a.a22);
+    const double inverse_norm = std::sqrt(b.a00 * b.a00 + b.a10 * b.a10 + b.a11 * b.a11 +
+                                          b.a20 * b.a20 + b.a21 * b.a21 + b.a22 * b.a22);
+    return std::pow(norm, 4) / (4 * kPi * a.determinant()) * inverse_norm;
+  }
+  if (const auto* hg = std::get_if<HenyeyGreenstein>(&medium))
+    return henyey_greenstein_phase(std::abs(hg->g), 1.0);
+  if (const auto* vmf = std::get_if<MirrorFlakes<Vmf>>(&medium)) {
+    // From behind, D of what faces w_i and sigma fall together.
+    double largest = 0;
+    const double width = std::min(1.0, 6 * vmf->ndf.alpha());
+    for (const double range : {1.0, width})
+      for (double x = -1; x <= 1; x += 0x1p-7) {
+        const double u = range * x, nearest = u < 0 ? std::sqrt((1 - u) * (1 + u)) : 1;
+        const double area = std::max(vmf_sigma(u, vmf->ndf.alpha()), 1e-6);
+        largest = std::max(largest,
+                           vmf_density(vmf_concentration(vmf->ndf.alpha()), nearest) / (4 * area));
+      }
+    return 2 * largest;
+  }
+  return 1;
+}
+
+double largest_density(const Stack& stack, const Plan& plan) {
+  double largest = 1 / kPi;
+  for (const int k : plan.layers)
+    largest = std::max(largest, largest_density(stack.layers[k].medium));
+  return largest;
+}
+
+}  // namespace
+
+std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
+  if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
+  if (plan.has_grids()) return "lanes have no kernel for density grids";
+  if (stack.grains()) return "explicit geometry is traced in double";
+  if (plan.layers.empty()) return "no layer has depth: there is nothing to walk through";
+  const std::size_t parts = lane_parts(stack, plan).size();
+  if (parts > kMostLaneLayers)
+    return fmt::format("lanes hold {} layers, the stack has {} (deep ones count thrice)",
+                       kMostLaneLayers, parts);
+  if (plan.max_order > 1000000000) return "orders above 1e9 are not counted on lanes";
+  bool common_albedo = true;
+  for (const int k : plan.layers) {
+    const Layer& layer = stack.layers[k];
+    const double depth = layer.depth();
+    const char* which = plan.layers.size() > 1 ? " of a layer" : "";
+    if (depth < 1e-30 || (depth > kDeepest && std::isfinite(depth)))
+      return fmt::format("an optical depth of {:g}{} is more than float resolves", depth, which);
+    if (auto reason =
+            std::visit([&](const auto& m) { return why_not_medium(m, depth); }, layer.medium))
+      return reason;
+    common_albedo = common_albedo && layer.albedo == stack.layers[plan.layers[0]].albedo;
+  }
+  if (plan.channels == 3 && common_albedo && plan.max_order > kMostTabulatedOrders)
+    return "colour is recombined from orders up to 65536 only";
+  return std::nullopt;
+}
+
+namespace {
+
+// How far the largest term of next-event estimation is beyond what fixed point takes, in bits.
+int bits_beyond(const Stack& stack, const Plan& plan, double largest_inverse_mu) {
+  const double largest = largest_density(stack, plan) * largest_inverse_mu;
+  const double weight = plan.thinning.weight(plan.max_order);
+  return std::max(0, static_cast<int>(std::ceil(std::log2(largest * weight / kPointLimit))));
+}
+
+double largest_inverse_mu(const CellGrid& grid) {
+  return kLargestInverseMu * std::sqrt(grid.rows());
+}
+
+// Terms rounded to 2^-26 move f by less than 1e-6 still: a test holds it.
+bool is_too_narrow(const Plan& plan, int bits) { return bits > (plan.thinning.is_on() ? 6 : 0); }
+
+}  // namespace
+
+int coarser_bits_at_points(const Stack& stack, const Plan& plan) {
+  return bits_beyond(stack, plan, 1);
+}
+int coarser_bits_in_cells(const Stack& stack, const Plan& plan, const CellGrid& grid) {
+  return bits_beyond(stack, plan, largest_inverse_mu(grid));
+}
+
+std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
+                                            const std::vector<Direction>& points) {
+  if (auto reason = why_not_lanes(stack, plan)) return reason;
+  if (points.empty()) return std::nullopt;
+  if (is_too_narrow(plan, coarser_bits_at_points(stack, plan)))
+    return "the phase function is too narrow for fixed point";
+  for (const Direction wo : points)
+    if (std::abs(wo.z) < kMostGrazingPoint) return "a point this close to grazing asks for double";
+  return std::nullopt;
+}
+
+std::optional<std::string> why_not_lanes_in_cells(const Stack& stack, const Plan& plan,
+                                                  const CellGrid& grid) {
+  if (auto reason = why_not_lanes(stack, plan)) return reason;
+  if (is_too_narrow(plan, coarser_bits_in_cells(stack, plan, grid)))
+    return "next-event estimation in cells: the phase function is too narrow for fixed point";
+  return std::nullopt;
+}
+
+}  // namespace lamella

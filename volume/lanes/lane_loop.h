@@ -1,0 +1,246 @@
+#pragma once
+
+// Many walks on lanes: a lane takes the next walk as soon as its own has ended. Only for sources of
+// lamella_lanes().
+
+#include "volume/lanes/ended_walks.h"
+#include "volume/lanes/lane_pool.h"
+
+namespace lamella::LAMELLA_ISA {
+
+/// A set of lanes.
+template <int C>
+struct LaneWalks {
+  LaneState<Floats, C> state;
+  FloatMask free;  // lanes without a walk
+  int free_count;
+};
+
+/// Moves all walks to the first set, which has room for them: the last ones are long, and a step
+/// costs as much for one of them as for all of a set.
+template <int C>
+[[gnu::noinline]] void crowd(LaneWalks<C> (&all)[kSets]) {
+  struct Move {
+    int set, from, to;
+  };
+  Move moves[kLanes];
+  int count = 0;
+  std::uint32_t room = mask_bits(all[0].free);
+  for (int k = 1; k < kSets; ++k)
+    for (std::uint32_t left = mask_bits(!all[k].free); left != 0; left &= left - 1) {
+      moves[count++] = {k, __builtin_ctz(left), __builtin_ctz(room)};
+      room &= room - 1;
+    }
+  const auto move = [&](auto number_of) {
+    auto& first = number_of(all[0].state);
+    using Number = std::remove_reference_t<decltype(first)>;
+    alignas(64) typename Number::ScalarType of[kSets][kLanes];
+    for (int k = 0; k < kSets; ++k) number_of(all[k].state).store(of[k]);
+    for (const Move* m = moves; m < moves + count; ++m) of[0][m->to] = of[m->set][m->from];
+    first = Number::load(of[0]);
+  };
+  using State = LaneState<Floats, C>;
+  move([](State & w) -> auto& { return w.wi.x; });
+  move([](State & w) -> auto& { return w.wi.y; });
+  move([](State & w) -> auto& { return w.wi.z; });
+  move([](State & w) -> auto& { return w.y; });
+  move([](State & w) -> auto& { return w.layer; });
+  move([](State & w) -> auto& { return w.order; });
+  move([](State & w) -> auto& { return w.index; });
+  move([](State & w) -> auto& { return w.death; });
+  for (int k = 0; k < 4; ++k) move([k](State & w) -> auto& { return w.numbers.s[k]; });
+  for (int c = 0; c < C; ++c) move([c](State & w) -> auto& { return w.weight[c]; });
+  for (int k = 1; k < kSets; ++k) {
+    all[k].free = first_lanes<float>(kLanes);
+    all[k].free_count = kLanes;
+  }
+  alignas(64) float is_free[kLanes];
+  for (int k = 0; k < kLanes; ++k) is_free[k] = static_cast<float>(room >> k & 1u);
+  all[0].free = Floats::load(is_free) > Floats(0);
+  all[0].free_count -= count;
+}
+
+/// The walks of a task. The numbers of a walk are those of (seed, walk), so that it does not matter
+/// when and where it happens.
+template <int C, class Set, class Score>
+[[gnu::noinline]] void walks_of(const LaneWalkTask& t, const Score& score) {
+  const Set set(t.walk);
+  const Vec3<Floats> incident{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
+  LanePool<C, Set, Score> pool;
+  using Ended = EndedWalks<C, Score::kUsesIndex>;
+  Ended ended;
+  std::uint64_t steps = 0, carried = 0, events_met = 0, reflected = 0;
+  // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
+  // event wrong with z, and at the last one count_all sees it, unless the walk was absorbed by it
+  // and went nowhere. Depths follow: they are never 0 times infinity, as 1 / sigma and lengths of
+  // flights are finite.
+  Floats poison(0);
+  using Walks = LaneWalks<C>;
+  Walks all[kSets];
+  for (Walks& w : all) {
+    w.state.wi = incident;
+    w.state.y = Floats(0);
+    w.state.layer = w.state.order = w.state.index = Words(0u);
+    w.state.numbers.s[0] = w.state.numbers.s[1] = Words(0u);
+    w.state.numbers.s[2] = w.state.numbers.s[3] = Words(0u);
+    w.state.death = Words(1u);
+    for (Floats& weight : w.state.weight) weight = Floats(1);
+    w.free = first_lanes<float>(kLanes);
+    w.free_count = kLanes;
+  }
+
+  // Gives walks to the lanes `take`, the first of them those of place `rank`.
+  const auto refill = [&](LaneState<Floats, C>& w, FloatMask take,
+                          Words rank) LAMELLA_INLINE_LAMBDA {
+    const WordMask words = to_word_mask(take);
+    const auto word = [&](const std::uint32_t* from, Words old) LAMELLA_INLINE_LAMBDA {
+      return select(words, permute(Words::load(from + pool.from), rank), old);
+    };
+    for (int k = 0; k < 4; ++k) w.numbers.s[k] = word(pool.numbers[k], w.numbers.s[k]);
+    if constexpr (pool.kIndex) w.index = word(pool.index, w.index);
+    w.death = word(pool.death, w.death);
+    if constexpr (pool.kLayer) w.layer = word(pool.layer, w.layer);
+    w.y = select(take, permute(Floats::load(pool.y + pool.from), rank), w.y);
+    w.order = select(words, Words(0u), w.order);
+    if constexpr (C > 0)
+      for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
+    w.wi = select(take, incident, w.wi);
+  };
+
+  // What roulette ended is then all alike, and no one looks at it: it is the rest.
+  const bool absorbs = C == 0 && t.walk.ends_absorb && t.batch_count == 1;
+  const FloatMask tells_gone = first_lanes<float>(absorbs ? 0 : kLanes);
+
+  const auto count_ends = [&](Walks& walks, const LaneEnds<Floats>& now, FloatMask active,
+                              auto full) LAMELLA_INLINE_LAMBDA {
+    LaneState<Floats, C>& w = walks.state;
+    poison = multiply_add(w.wi.z, Floats(0), poison);
+    FloatMask tells = now.ends;
+    if constexpr (C == 0) tells = now.ends & (now.lives | tells_gone);
+    Words events = shift_left<Ended::kBits>(w.order);
+    events = select(to_word_mask(now.gone), events | Words(1u), events);
+    if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
+    const int at = ended.size;
+    store_compressed(events, tells, ended.events + at);
+    if constexpr (Score::kUsesIndex)
+      if (t.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
+    store_compressed(w.wi.z, tells, ended.z + at);
+    if (t.estimate == LaneEstimate::cells_counted) {
+      store_compressed(w.wi.x, tells, ended.x + at);
+      store_compressed(w.wi.y, tells, ended.y + at);
+    }
+    if constexpr (C > 0)
+      for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
+    const int fallen = count(now.ends);
+    ended.size += C == 0 ? count(tells) : fallen;
+    if constexpr (full) {
+      walks.free = now.ends;
+      walks.free_count = fallen;
+    } else {
+      walks.free = walks.free | now.ends;
+      walks.free_count += fallen;
+    }
+    carried += static_cast<std::uint64_t>(full ? kLanes : count(active));
+    if constexpr (Set::kNull) events_met += static_cast<std::uint64_t>(count(now.events));
+    if constexpr (!Set::kSingle) reflected += static_cast<std::uint64_t>(count(now.reflections));
+  };
+
+  pool.fill(t, set);
+  // As long as there are new walks every lane has one.
+  if constexpr (Set::kSingle) {
+    for (;;) {
+      constexpr int kMost = kSets * kLanes;
+      if (pool.to - pool.from < kMost) pool.fill(t, set);
+      if (pool.to - pool.from < kMost) break;
+#pragma GCC unroll 4
+      for (Walks& w : all) {
+        refill(w.state, w.free, rank_of(w.free));
+        pool.from += w.free_count;
+      }
+      // One part of a step after the other, each for all sets.
+      LaneDraws<Floats> draws[kSets];
+      LaneEnds<Floats> now[kSets];
+      const FloatMask every = first_lanes<float>(kLanes);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k) draw(set, all[k].state, draws[k]);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k)
+        now[k] = scatter<C, true>(t.walk, set, all[k].state, draws[k], every, score);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k) fly<C, true>(set, all[k].state, draws[k], every, now[k]);
+#pragma GCC unroll 4
+      for (int k = 0; k < kSets; ++k) count_ends(all[k], now[k], every, std::true_type{});
+      if (ended.size >= Ended::kSize) ended.count_all(t);
+      steps += kSets;
+    }
+  }
+  for (;;) {
+    int walking = 0;
+    for (Walks& w : all) {
+      const int available = pool.to - pool.from;
+      const Words rank = rank_of(w.free);
+      FloatMask take = w.free;
+      if (available < kLanes)
+        take = take & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(available))));
+      refill(w.state, take, rank);
+      const int taken = count(take);
+      pool.from += taken;
+      if (pool.to - pool.from < kLanes) pool.fill(t, set);
+      w.free = without(w.free, take);
+      w.free_count -= taken;
+      walking += kLanes - w.free_count;
+    }
+    if (walking == 0) break;
+    if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
+    if constexpr (Set::kSingle) {
+      for (Walks& w : all) {
+        if (w.free_count == kLanes) continue;
+        const FloatMask active = !w.free;
+        count_ends(w, step(t.walk, set, w.state, active, score), active, std::false_type{});
+        ++steps;
+      }
+    } else {
+      // Flights of all sets cross layers by turns.
+      typename Set::Flight flights[kSets];
+      LaneEnds<Floats> now[kSets];
+      for (int k = 0; k < kSets; ++k) {
+        const FloatMask active = !all[k].free;
+        flights[k].flies = without(active, active);
+        if (all[k].free_count == kLanes) continue;
+        LaneState<Floats, C>& w = all[k].state;
+        LaneDraws<Floats> draws;
+        draw(set, w, draws);
+        now[k] = scatter(t.walk, set, w, draws, active, score);
+        flights[k] = set.begin_flight(w.wi, draws.remaining, active & now[k].lives, w.layer, w.y);
+      }
+      for (bool flying = true; flying;) {
+        flying = false;
+        for (int k = 0; k < kSets; ++k) {
+          LaneState<Floats, C>& w = all[k].state;
+          if (any(flights[k].flies)) flying |= set.cross(flights[k], w.wi, w.layer, w.y);
+        }
+      }
+      for (int k = 0; k < kSets; ++k) {
+        if (all[k].free_count == kLanes) continue;
+        const FloatMask active = !all[k].free;
+        now[k].ends = without(active, flights[k].collides);
+        count_ends(all[k], now[k], active, std::false_type{});
+        ++steps;
+      }
+    }
+    if (ended.size >= Ended::kSize) ended.count_all(t);
+  }
+  ended.count_all(t);
+  LaneSums& sums = *t.batches[0].sums;
+  ended.add_counts(sums);
+  if (absorbs)
+    sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
+  score.finish();
+  sums.lane_steps += steps * static_cast<std::uint64_t>(kLanes);
+  sums.busy_lane_steps += carried;
+  sums.events += Set::kNull ? events_met : carried;
+  sums.reflections += reflected;
+  sums.finite = sums.finite && ended.finite && !any(!equal(poison, Floats(0)));
+}
+
+}  // namespace lamella::LAMELLA_ISA

@@ -1,0 +1,342 @@
+#pragma once
+
+// The media as walks on lanes meet them: which words of an event are spent on what. The formulas
+// are those of phase, for lanes of float and for double alike. A medium here has
+//   kNull: whether `collide` may refuse (a null collision, flight being by a majorant of sigma);
+//   kDiffuse: whether a flake reflects by Lambert's law, its normal drawn by `collide`;
+//   kMirror: whether Schlick's factor may apply to it;
+//   kWords: words that an event takes, the free flight's first one among them;
+//   inverse_area(w): 1 / sigma(w), or of its majorant;
+//   collide(wi, words): the event, with `accepted` where kNull;
+//   sample(event, words): the next w_i, which is -w_o, and the cosine with the mirror's normal;
+//   density(event, w_o): p, or its estimate given the event.
+
+#include "phase/medium/henyey_greenstein_formulas.h"
+#include "phase/medium/lambert_sphere_formulas.h"
+#include "phase/medium/sggx_formulas.h"
+#include "phase/medium/vmf_mixture.h"
+#include "phase/random/block_random.h"
+#include "volume/lanes/lane_layers.h"
+
+namespace lamella {
+
+template <class Real>
+struct LaneEvent {
+  Vec3<Real> wi, normal;
+  Real inverse_sigma;
+  MaskOf<Real> accepted;
+};
+
+/// Every lane.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE MaskOf<Real> every_lane() {
+  return Real(0) <= Real(0);
+}
+
+template <class Real>
+struct LaneScatter {
+  Vec3<Real> next;  ///< w_i of the next event
+  Real cosine;      ///< of w_o with the normal of a mirror
+};
+
+/// Words that an event of any medium takes, and the place of the roulette's behind them.
+inline constexpr int kMediumWords = 7, kRouletteWord = kMediumWords, kEventWords = 8;
+
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE Vec3<Real> sphere_point_of(const WordsOf<Real>* words) {
+  return sphere_point<Real>(signed_uniform_of(words[0]), azimuth_of(words[1]));
+}
+
+/// -w_o where a flake reflects by Lambert's law: w_o along n and a uniform point of the sphere.
+/// Where these cancel so does the result: a walk that stands still until its next event.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE Vec3<Real> next_by_lambert(Vec3<Real> n, const WordsOf<Real>* words) {
+  const Vec3<Real> v = n + sphere_point_of<Real>(words);
+  return -reciprocal_sqrt(max(dot(v, v), Real(1e-30))) * v;
+}
+
+/// The cosine of two directions with the normal that mirrors one into the other.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE Real half_cosine(Vec3<Real> wi, Vec3<Real> wo) {
+  using std::sqrt;
+  return sqrt(nonnegative(multiply_add(dot(wi, wo), Real(0.5), Real(0.5))));
+}
+
+template <class Real>
+struct ParticleOnLanes {
+  static constexpr bool kNull = false, kDiffuse = false, kMirror = false;
+  LAMELLA_INLINE Real inverse_area(Vec3<Real>) const { return Real(1); }
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
+    return {wi, wi, Real(1), every_lane<Real>()};
+  }
+};
+
+template <class Real>
+struct LambertSphereOnLanes : ParticleOnLanes<Real> {
+  static constexpr auto kKind = LaneMediumKind::lambert_sphere;
+  static constexpr int kWords = 5;
+  template <class Reader>
+  LAMELLA_INLINE explicit LambertSphereOnLanes(const Reader&) {}
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    return {away_from_lambert_sphere(e.wi, sphere_point_of<Real>(words + 1),
+                                     sphere_point_of<Real>(words + 3)),
+            Real(1)};
+  }
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    return lambert_sphere_phase(-dot(e.wi, wo));
+  }
+};
+
+template <class Real>
+struct HenyeyGreensteinOnLanes : ParticleOnLanes<Real> {
+  static constexpr auto kKind = LaneMediumKind::henyey_greenstein;
+  static constexpr int kWords = 3;
+  Real g;
+  template <class Reader>
+  LAMELLA_INLINE explicit HenyeyGreensteinOnLanes(const Reader& n) : g(n(kG)) {}
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    const Real cosine = henyey_greenstein_cosine_signed<Real>(g, signed_uniform_of(words[1]));
+    return {deflect(e.wi, cosine, azimuth_of(words[2])), Real(1)};
+  }
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    return henyey_greenstein_phase(g, -dot(e.wi, wo));
+  }
+};
+
+template <class Real, class Reader>
+[[nodiscard]] LAMELLA_INLINE SggxMatrix<Real> matrix_of(const Reader& n, int field,
+                                                        const SggxMatrix<Real>*) {
+  return {n(field), n(field + 1), n(field + 2), n(field + 3), n(field + 4), n(field + 5)};
+}
+template <class Real, class Reader>
+[[nodiscard]] LAMELLA_INLINE UprightSggxMatrix<Real> matrix_of(const Reader& n, int field,
+                                                               const UprightSggxMatrix<Real>*) {
+  return {n(field), n(field + 5)};
+}
+
+/// Matrix: SggxMatrix, or UprightSggxMatrix where that is all there is to it.
+template <class Real, template <class> class Matrix>
+struct SggxOnLanes {
+  static constexpr bool kNull = false;
+  Matrix<Real> a;
+  template <class Reader>
+  LAMELLA_INLINE explicit SggxOnLanes(const Reader& n)
+      : a(matrix_of<Real>(n, kA, static_cast<const Matrix<Real>*>(nullptr))) {}
+  LAMELLA_INLINE Real inverse_area(Vec3<Real> w) const {
+    const Vec3<Real> v = a.apply_transposed(w);
+    return reciprocal_sqrt(dot(v, v));
+  }
+  [[nodiscard]] LAMELLA_INLINE Vec3<Real> along_normal(Vec3<Real> wi,
+                                                       const WordsOf<Real>* words) const {
+    return along_visible_normal(a, wi, sphere_point_of<Real>(words));
+  }
+};
+
+template <class Real, template <class> class Matrix>
+struct SggxMirrors : SggxOnLanes<Real, Matrix> {
+  static constexpr auto kKind = LaneMediumKind::sggx_mirror;
+  static constexpr bool kDiffuse = false, kMirror = true;
+  static constexpr int kWords = 3;
+  Matrix<Real> inverse;
+  Real density_scale;
+  template <class Reader>
+  LAMELLA_INLINE explicit SggxMirrors(const Reader& n)
+      : SggxOnLanes<Real, Matrix>(n),
+        inverse(matrix_of<Real>(n, kInverse, static_cast<const Matrix<Real>*>(nullptr))),
+        density_scale(n(kDensityScale)) {}
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
+    return {wi, wi, this->inverse_area(wi), every_lane<Real>()};
+  }
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    const Vec3<Real> m = this->along_normal(e.wi, words + 1);
+    const Real along = dot(e.wi, m), m2 = max(dot(m, m), Real(1e-30));
+    // w_i - 2 (w_i.m) m / m^2 is what w_o points away from
+    return {renormalized(e.wi - (Real(2) * along * reciprocal(m2)) * m),
+            along * reciprocal_sqrt(m2)};
+  }
+  /// D(h) / (4 sigma(w_i))
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    const Vec3<Real> h = e.wi + wo, u = inverse.apply(h);
+    return normal_density_of(dot(h, h), dot(u, u)) * density_scale * e.inverse_sigma;
+  }
+};
+
+/// A flake that reflects by Lambert's law, its normal drawn.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE Real lambert_flake_density(const LaneEvent<Real>& e, Vec3<Real> wo) {
+  return nonnegative(dot(e.normal, wo)) * Real(1 / kPi);
+}
+
+template <class Real, template <class> class Matrix>
+struct SggxLambertians : SggxOnLanes<Real, Matrix> {
+  static constexpr auto kKind = LaneMediumKind::sggx_lambert;
+  static constexpr bool kDiffuse = true, kMirror = false;
+  static constexpr int kWords = 5;
+  using SggxOnLanes<Real, Matrix>::SggxOnLanes;
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
+    const Vec3<Real> m = this->along_normal(wi, words + 1);
+    return {wi, reciprocal_sqrt(max(dot(m, m), Real(1e-30))) * m, Real(1), every_lane<Real>()};
+  }
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    return {next_by_lambert(e.normal, words + 3), Real(1)};
+  }
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    return lambert_flake_density(e, wo);
+  }
+};
+
+template <class Real>
+using SggxMirrorOnLanes = SggxMirrors<Real, SggxMatrix>;
+template <class Real>
+using SggxLambertOnLanes = SggxLambertians<Real, SggxMatrix>;
+template <class Real>
+using UprightSggxMirrorOnLanes = SggxMirrors<Real, UprightSggxMatrix>;
+template <class Real>
+using UprightSggxLambertOnLanes = SggxLambertians<Real, UprightSggxMatrix>;
+
+/// vMF flakes about a vertical axis: flight by the mixture's majorant, normals from the mixture by
+/// tabulated marginals; the acceptance is sigma over that majorant, at least 0.7 from the front.
+template <class Real>
+struct VmfOnLanes {
+  static constexpr bool kNull = true;
+  using Mask = MaskOf<Real>;
+  using Words = WordsOf<Real>;
+  Real up;  ///< 1 where the mean normal points up, -1 where down
+  VisibleNormalMixture<Real> mixture;
+  Real mean, reach;
+  Words first_piece;
+  const float* tables;
+  template <class Reader>
+  LAMELLA_INLINE explicit VmfOnLanes(const Reader& n)
+      : up(n(kUp)),
+        mixture{n(kFront), n(kBack), n(kSide)},
+        mean(n(kMean)),
+        reach(n(kReach)),
+        first_piece(word_of(n(kTable))),
+        tables(n.numbers.tables) {}
+
+  LAMELLA_INLINE Real inverse_area(Vec3<Real> w) const {
+    using std::sqrt;
+    const Real s = sqrt(multiply_add(w.x, w.x, w.y * w.y));
+    // Nothing faces the light that comes straight from behind narrow flakes.
+    return reciprocal(max(mixture.majorant(up * w.z, s), Real(1e-30)));
+  }
+  /// The cubic of a table, x in [0, kMarginalPieces).
+  LAMELLA_INLINE Real tabulated(Words table, Real x) const {
+    const Words piece = word_of(x);
+    const Real t = x - number_of(piece);
+    const Words at = shift_left<2>(first_piece + table + piece);
+    Real value = multiply_add(t, gather(tables + 3, at), gather(tables + 2, at));
+    value = multiply_add(t, value, gather(tables + 1, at));
+    return multiply_add(t, value, gather(tables, at));
+  }
+  /// sigma(w), absolute error below 2e-7.
+  LAMELLA_INLINE Real sigma(Vec3<Real> w) const {
+    using std::abs;
+    const Real u = up * w.z;
+    const Real x = multiply_add(u * reciprocal(reach), Real(0.5 * kMarginalPieces),
+                                Real(0.5 * kMarginalPieces));
+    const Real near =
+        tabulated(Words(3u * kMarginalPieces), min(nonnegative(x), Real(kMarginalPieces - 1e-3)));
+    return nonnegative(select(abs(u) < reach, near, u * mean));
+  }
+  LAMELLA_INLINE LaneEvent<Real> draw(Vec3<Real> wi, const Words* words) const {
+    using std::cbrt, std::sqrt;
+    const Real u = up * wi.z, s2 = multiply_add(wi.x, wi.x, wi.y * wi.y);
+    const Real inverse_s = reciprocal_sqrt(max(s2, Real(1e-10))), s = s2 * inverse_s;
+    const Mask at_pole = s2 < Real(1e-10), behind = u < Real(0);
+    const Real tangent_x = select(at_pole, Real(1), inverse_s * wi.x);
+    const Real tangent_y = select(at_pole, Real(0), inverse_s * wi.y);
+    const Mask is_axial = uniform_of(words[1]) * mixture.majorant(u, s) < mixture.axial(u);
+    // 1 - the cosine with the axis, by cubics in t: the root or cube root of an exponential number.
+    const Real e = max(exponential_of(words[2]) * Real(1 / kLargestExponential), Real(1e-20));
+    const Real t = select(is_axial, sqrt(e), cbrt(e));
+    const auto table = [](unsigned n) { return Words(n * kMarginalPieces); };
+    const auto word_mask = [](Mask m) { return to_word_mask(m); };
+    const Words which =
+        select(word_mask(is_axial), select(word_mask(behind), table(1), table(0)), table(2));
+    const Real below =
+        tabulated(which, min(t * Real(kMarginalPieces), Real(kMarginalPieces - 1e-3)));
+    const Vec3<Real> m = proposed_normal<Real>(is_axial, below, signed_uniform_of(words[3]));
+    return {wi,
+            {m.x * tangent_x - m.y * tangent_y, m.x * tangent_y + m.y * tangent_x, up * m.z},
+            Real(1),
+            takes_visible_normal(u, s, m, uniform_of(words[4]))};
+  }
+};
+
+template <class Real>
+struct VmfLambertOnLanes : VmfOnLanes<Real> {
+  static constexpr auto kKind = LaneMediumKind::vmf_lambert;
+  static constexpr bool kDiffuse = true, kMirror = false;
+  static constexpr int kWords = 7;
+  using VmfOnLanes<Real>::VmfOnLanes;
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
+    return this->draw(wi, words);
+  }
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    return {next_by_lambert(e.normal, words + 5), Real(1)};
+  }
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    return lambert_flake_density(e, wo);
+  }
+};
+
+template <class Real>
+struct VmfMirrorOnLanes : VmfOnLanes<Real> {
+  static constexpr auto kKind = LaneMediumKind::vmf_mirror;
+  static constexpr bool kDiffuse = false, kMirror = true;
+  static constexpr int kWords = 5;
+  Real kappa, density_scale;
+  template <class Reader>
+  LAMELLA_INLINE explicit VmfMirrorOnLanes(const Reader& n)
+      : VmfOnLanes<Real>(n), kappa(n(kKappa)), density_scale(n(kDensityScale)) {}
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
+    LaneEvent<Real> e = this->draw(wi, words);
+    e.inverse_sigma = reciprocal(max(this->sigma(wi), Real(1e-6)));
+    return e;
+  }
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e, const WordsOf<Real>*) const {
+    const Real along = dot(e.wi, e.normal);
+    return {renormalized(e.wi - (Real(2) * along) * e.normal), along};
+  }
+  /// D(h) / (4 sigma(w_i))
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    using std::abs, std::exp, std::sqrt;
+    const Vec3<Real> h = e.wi + wo;
+    // 1 - cosine without cancellation: sine^2 / (1 + cosine) in front.
+    const Real along = this->up * h.z, across = multiply_add(h.x, h.x, h.y * h.y);
+    const Real inverse2 = reciprocal(max(multiply_add(along, along, across), Real(1e-20)));
+    const Real cosine = min(along * sqrt(inverse2), Real(1));
+    const Real below = select(
+        along > Real(0), across * inverse2 * reciprocal(Real(1) + abs(cosine)), Real(1) - cosine);
+    return exp(-(kappa * below)) * density_scale * e.inverse_sigma;
+  }
+};
+
+/// Lambert's law below all layers: w_i does not matter.
+template <class Real>
+struct SubstrateOnLanes {
+  static constexpr auto kKind = LaneMediumKind::substrate;
+  static constexpr bool kNull = false, kDiffuse = true, kMirror = false;
+  static constexpr int kWords = 3;
+  template <class Reader>
+  LAMELLA_INLINE explicit SubstrateOnLanes(const Reader&) {}
+  LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
+    return {wi, {Real(0), Real(0), Real(1)}, Real(1), every_lane<Real>()};
+  }
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    return {next_by_lambert(e.normal, words + 1), Real(1)};
+  }
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    return lambert_flake_density(e, wo);
+  }
+};
+
+}  // namespace lamella

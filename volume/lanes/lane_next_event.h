@@ -1,0 +1,409 @@
+#pragma once
+
+// Next-event estimation on lanes: every event sends its light to every direction asked for. Only
+// for sources of lamella_lanes().
+
+#include "volume/lanes/lane_loop.h"
+
+namespace lamella::LAMELLA_ISA {
+
+/// A float per lane as whole multiples of 1 / kPointUnits, in two halves.
+struct FixedPoint {
+  using Tag = hn::ScalableTag<std::int64_t>;
+  using Vector = hn::Vec<Tag>;
+  static constexpr int kHalf = Floats::kCount / 2;
+  Vector lower, upper;
+
+  LAMELLA_INLINE explicit FixedPoint(Floats x) {
+    const hn::ScalableTag<double> d;
+    const hn::Half<Floats::Tag> half;
+    // The last place of a double near this number is 2^-32.
+    const auto magic = hn::Set(d, 0x1.8p20);
+    const auto fix = [&](auto part) {
+      return hn::Sub(hn::BitCast(Tag(), hn::Add(hn::PromoteTo(d, part), magic)),
+                     hn::BitCast(Tag(), magic));
+    };
+    lower = fix(hn::LowerHalf(half, x.v));
+    upper = fix(hn::UpperHalf(half, x.v));
+  }
+  LAMELLA_INLINE void add_to(std::int64_t* sums) const {
+    hn::StoreU(hn::Add(hn::LoadU(Tag(), sums), lower), Tag(), sums);
+    hn::StoreU(hn::Add(hn::LoadU(Tag(), sums + kHalf), upper), Tag(), sums + kHalf);
+  }
+  [[nodiscard]] LAMELLA_INLINE std::int64_t sum() const {
+    const Tag d;
+    return hn::GetLane(hn::SumOfLanes(d, hn::Add(lower, upper)));
+  }
+};
+
+/// Sums of floats per lane in fixed point, without 64-bit arithmetic: multiples of 2^-6 and what
+/// remains in multiples of 1 / kPointUnits. Terms up to kPointLimit, kMost of them.
+struct FixedPointLanes {
+  // Of up to 2^25 in `fine`.
+  static constexpr int kMost = 63;
+  alignas(64) std::uint32_t coarse[kLanes] = {}, fine[kLanes] = {};  // two's complement
+
+  struct Term {
+    Words coarse, fine;
+    LAMELLA_INLINE explicit Term(Floats x) {
+      coarse = to_nearest_words(x * Floats(0x1p6f));
+      const Floats rest = multiply_add(to_floats(coarse), Floats(-0x1p-6f), x);
+      fine = to_nearest_words(rest * Floats(0x1p32f));
+    }
+  };
+  LAMELLA_INLINE void add(const Term& term, FloatMask here) {
+    const auto add_to = [&](std::uint32_t* sums, Words x) LAMELLA_INLINE_LAMBDA {
+      const Words old = Words::load(sums);
+      select(to_word_mask(here), old + x, old).store(sums);
+    };
+    add_to(coarse, term.coarse);
+    add_to(fine, term.fine);
+  }
+  /// The sum in units of 1 / kPointUnits; begins anew.
+  [[nodiscard]] std::int64_t take() {
+    std::int64_t sum = 0;
+    for (int k = 0; k < kLanes; ++k)
+      sum += (std::int64_t{static_cast<std::int32_t>(coarse[k])} << 26) +
+             static_cast<std::int32_t>(fine[k]);
+    *this = {};
+    return sum;
+  }
+};
+
+/// A lane's event, for all lanes to see.
+struct StoredEvents {
+  alignas(64) float numbers[4][kLanes];
+  template <class M>
+  LAMELLA_INLINE StoredEvents(const M&, const LaneEvent<Floats>& e) {
+    const Vec3<Floats> w = M::kDiffuse ? e.normal : e.wi;
+    w.x.store(numbers[0]), w.y.store(numbers[1]), w.z.store(numbers[2]);
+    e.inverse_sigma.store(numbers[3]);
+  }
+  [[nodiscard]] LAMELLA_INLINE LaneEvent<Floats> of(int lane) const {
+    const Vec3<Floats> w{Floats(numbers[0][lane]), Floats(numbers[1][lane]),
+                         Floats(numbers[2][lane])};
+    return {w, w, Floats(numbers[3][lane]), every_lane<Floats>()};
+  }
+};
+
+/// Gives events to the sums of points or cells. C: weights that walks carry.
+template <int C>
+struct NextEventOnLanes {
+  static constexpr bool kUsesIndex = true;
+  // Up to so many points one after the other, all lanes at once, about as far as that is faster: in
+  // one layer of one medium, in any stack, and with weights or colour.
+  static constexpr int kFew = kLanes < 8 ? 12 : 32, kFewInStacks = 12, kFewWeighed = 6;
+
+  const LaneWalkTask& t;
+  // What few points got from walks without weights and colour, not yet in the sums.
+  mutable int few_terms = 0;
+  mutable FixedPointLanes few_sums[kFew][kRouletteOrder] = {};
+
+  /// Brings everything to the sums.
+  LAMELLA_INLINE void finish() const {
+    if (few_terms > 0) empty_few();
+  }
+
+  template <class All, class M>
+  LAMELLA_INLINE void operator()(All all, const M& medium, const LaneEvent<Floats>& event,
+                                 const LaneState<Floats, C>& w, FloatMask scatters) const {
+    if (t.estimate != LaneEstimate::points && t.estimate != LaneEstimate::cells_next_event) return;
+    const FloatMask counts = scatters & to_float_mask(is_below(w.order, Words(t.walk.max_order)));
+    const bool plain = C == 0 && t.channels == 1;
+    const bool are_few = t.estimate == LaneEstimate::points && t.batch_count == 1 &&
+                         t.points.count <= (!plain       ? kFewWeighed
+                                            : All::value ? kFew
+                                                         : kFewInStacks);
+    if (plain && are_few)
+      few(all, medium, event, w, counts);
+    else if (!any(counts))
+      return;
+    else if (are_few)
+      few_weighed(all, medium, event, w, counts);
+    else
+      many(all, medium, event, w, counts);
+  }
+
+ private:
+  [[gnu::noinline]] void empty_few() const {
+    for (int j = 0; j < t.points.count && j < kFew; ++j)
+      for (int slot = 0; slot < static_cast<int>(kRouletteOrder); ++slot)
+        t.batches[0].sums->targets[slot * t.points.padded + j] += few_sums[j][slot].take();
+    few_terms = 0;
+  }
+
+  /// What an event of each lane sends out in a channel, Schlick's factor apart.
+  template <class M>
+  LAMELLA_INLINE Floats share(const M&, const LaneState<Floats, C>& w, int channel) const {
+    if constexpr (C > 0) {
+      const Floats albedo = M::kKind == LaneMediumKind::substrate
+                                ? Floats(t.walk.substrate_albedo[channel])
+                                : lookup(t.walk.layers->value[kAlbedo + channel], w.layer);
+      return w.weight[channel] * albedo * walks(w);
+    } else {
+      if (t.channels == 1) return walks(w);
+      const Words order = min(w.order + Words(1u), Words(t.order_cap));
+      return gather(t.event_weight + static_cast<std::uint32_t>(channel) * (t.order_cap + 1),
+                    order) *
+             walks(w);
+    }
+  }
+  /// How many walks each stands for, in terms' scale.
+  LAMELLA_INLINE Floats walks(const LaneState<Floats, C>& w) const {
+    if (t.walk.thinned_from == 0) return Floats(1);
+    return power_of_two(spared_of(t.walk.thinned_from, w.order)) * Floats(t.term_scale);
+  }
+  template <class M>
+  [[nodiscard]] LAMELLA_INLINE bool has_fresnel(const M&) const {
+    return C > 0 && M::kMirror && t.walk.fresnel;
+  }
+
+  struct OfSlots {
+    FloatMask of[kRouletteOrder];
+    LAMELLA_INLINE OfSlots(Words order, FloatMask counts) {
+      for (std::uint32_t k = 0; k + 1 < kRouletteOrder; ++k)
+        of[k] = counts & to_float_mask(equal(order, Words(k)));
+      of[kRouletteOrder - 1] = counts & to_float_mask(is_below(Words(kRouletteOrder - 2), order));
+    }
+  };
+
+  /// What an event of each lane sends to point j, albedo and Schlick's factor apart.
+  template <class All, class M>
+  LAMELLA_INLINE Floats sent(All, const M& medium, const LaneEvent<Floats>& event,
+                             const LaneState<Floats, C>& w, int j) const {
+    constexpr int kStride = kMostLaneLayers + 1;
+    const LanePoints& p = t.points;
+    const Vec3<Floats> wo{Floats(p.x[j]), Floats(p.y[j]), Floats(p.z[j])};
+    const float* rates = p.rate_by_point + j * kStride;
+    const float* beyond = p.beyond_by_point + j * kStride;
+    Floats tau;
+    if constexpr (M::kKind == LaneMediumKind::substrate) {
+      tau = Floats(beyond[t.walk.layer_count]);
+    } else {
+      const auto& depths = t.walk.layers->value[kDepth];
+      const Floats depth = All::value ? Floats(depths[0]) : lookup(depths, w.layer);
+      const Floats way = j < p.up ? w.y : depth - w.y;
+      tau = All::value ? way * Floats(rates[0])
+                       : multiply_add(way, lookup(rates, w.layer), lookup(beyond, w.layer));
+    }
+    return medium.density(event, wo) * exp(-tau);
+  }
+
+  template <class All, class M>
+  LAMELLA_INLINE void few(All all, const M& medium, const LaneEvent<Floats>& event,
+                          const LaneState<Floats, C>& w, FloatMask counts) const {
+    const OfSlots slots(w.order, counts);
+    for (int j = 0; j < t.points.count; ++j) {
+      Floats value = sent(all, medium, event, w, j);
+      if (t.walk.thinned_from > 0) value = value * walks(w);
+      const FixedPointLanes::Term term(value);
+      for (std::uint32_t k = 0; k < kRouletteOrder; ++k) few_sums[j][k].add(term, slots.of[k]);
+    }
+    if (++few_terms == FixedPointLanes::kMost) empty_few();
+  }
+
+  // By value: what a call takes the address of does not stay in registers.
+  template <class All, class M>
+  [[gnu::noinline]] void few_weighed(All all, M medium, LaneEvent<Floats> event,
+                                     LaneState<Floats, C> w, FloatMask counts) const {
+    const OfSlots slots(w.order, counts);
+    const LanePoints& p = t.points;
+    for (int j = 0; j < p.count; ++j) {
+      const Vec3<Floats> wo{Floats(p.x[j]), Floats(p.y[j]), Floats(p.z[j])};
+      const Floats value = sent(all, medium, event, w, j);
+      for (int c = 0; c < t.channels; ++c) {
+        Floats term = value * share(medium, w, c);
+        if (has_fresnel(medium)) {
+          const Floats f0 = lookup(t.walk.layers->value[kF0 + c], w.layer);
+          term = term * multiply_add(schlick_weight(half_cosine(event.wi, wo)), Floats(1) - f0, f0);
+        }
+        for (std::uint32_t slot = 0; slot < kRouletteOrder; ++slot) {
+          if (!any(slots.of[slot])) continue;
+          t.batches[0].sums->targets[(static_cast<int>(slot) * t.channels + c) * p.padded + j] +=
+              FixedPoint(select(slots.of[slot], term, Floats(0))).sum();
+        }
+      }
+    }
+  }
+
+  // One event after the other, as many directions at once as there are lanes.
+  template <class All, class M>
+  [[gnu::noinline]] void many(All, M medium, LaneEvent<Floats> event, LaneState<Floats, C> w,
+                              FloatMask counts) const {
+    const StoredEvents stored(medium, event);
+    alignas(64) float depths[kLanes], places[kLanes], turn_cos[kLanes], turn_sin[kLanes];
+    alignas(64) float shares[3][kLanes];
+    alignas(64) std::uint32_t orders[kLanes], layers[kLanes], indices[kLanes];
+    w.y.store(depths);
+    w.order.store(orders);
+    w.layer.store(layers);
+    w.index.store(indices);
+    for (int c = 0; c < t.channels; ++c) share(medium, w, c).store(shares[c]);
+    const bool cells = t.estimate == LaneEstimate::cells_next_event;
+    if (cells) {
+      const WordBlock block = LaneNumbers(t)(w.order, kLaneTargetStream, w.index);
+      multiply_add(to_floats(shift_right<16>(block.w[0])), Floats(0x1p-16f), Floats(0x1p-17f))
+          .store(places);
+      const auto [sine, cosine] =
+          sine_cosine_of_turns(uniform_of(block.w[1]) * Floats(1.0f / t.cells.phi_cells));
+      sine.store(turn_sin);
+      cosine.store(turn_cos);
+    }
+    for (std::uint32_t left = mask_bits(counts); left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      const int layer = M::kKind == LaneMediumKind::substrate ? t.walk.layer_count
+                        : All::value                          ? 0
+                                                              : static_cast<int>(layers[lane]);
+      const std::uint32_t slot =
+          orders[lane] + 1 < kRouletteOrder ? orders[lane] : kRouletteOrder - 1;
+      if (cells) aim(layer, depths[lane], places[lane], turn_cos[lane], turn_sin[lane]);
+      const auto give = [&](const M& at) LAMELLA_INLINE_LAMBDA {
+        const Sender<M> sender{
+            *this,
+            at,
+            stored.of(lane),
+            layer,
+            t.batches[t.batch_of(indices[lane])].sums->targets,
+            {Floats(shares[0][lane]), Floats(shares[1][lane]), Floats(shares[2][lane])}};
+        if (cells)
+          to_cells(sender, slot, depths[lane]);
+        else
+          to_points(sender, slot, depths[lane]);
+      };
+      if constexpr (All::value || M::kKind == LaneMediumKind::substrate)
+        give(medium);
+      else
+        give(M(OneLayer<Floats>{*t.walk.layers, layer}));
+    }
+  }
+
+  /// One event's light.
+  template <class M>
+  struct Sender {
+    const NextEventOnLanes& to;
+    const M& medium;
+    LaneEvent<Floats> event;
+    int layer;
+    std::int64_t* targets;
+    Floats share[3];
+    /// Adds density times `attenuation` towards w_o to the sums, a stride apart for channels.
+    LAMELLA_INLINE void send(Vec3<Floats> wo, Floats attenuation, std::int64_t* place,
+                             int stride) const {
+      const LaneWalkTask& task = to.t;
+      Floats value = medium.density(event, wo) * attenuation;
+      if (!task.weighs()) {
+        if (task.walk.thinned_from > 0) value = value * share[0];
+        return FixedPoint(value).add_to(place);
+      }
+      Floats schlick(0);
+      if (to.has_fresnel(medium)) schlick = schlick_weight(half_cosine(event.wi, wo));
+      for (int c = 0; c < task.channels; ++c) {
+        Floats term = value * share[c];
+        if (to.has_fresnel(medium)) {
+          const Floats f0(task.walk.layers->value[kF0 + c][layer]);
+          term = term * multiply_add(schlick, Floats(1) - f0, f0);
+        }
+        FixedPoint(term).add_to(place + c * stride);
+      }
+    }
+  };
+
+  template <class M>
+  LAMELLA_INLINE void to_points(const Sender<M>& sender, std::uint32_t slot, float y) const {
+    const LanePoints& p = t.points;
+    const bool substrate = M::kKind == LaneMediumKind::substrate;
+    const float depth = substrate ? 0 : t.walk.layers->value[kDepth][sender.layer];
+    const Floats above(substrate ? 0 : y), below(depth - y);
+    const float* rates = p.rate + sender.layer * p.padded;
+    const float* beyond = p.beyond + sender.layer * p.padded;
+    std::int64_t* at = sender.targets + static_cast<int>(slot) * t.channels * p.padded;
+    for (int j = 0; j < p.padded; j += kLanes) {
+      const Vec3<Floats> wo{Floats::load(p.x + j), Floats::load(p.y + j), Floats::load(p.z + j)};
+      const Floats way = select(wo.z > Floats(0), above, below);
+      const Floats tau = multiply_add(way, Floats::load(rates + j), Floats::load(beyond + j));
+      sender.send(wo, exp(-tau), at + j, p.padded);
+    }
+  }
+
+  /// |mu| times the optical depth from y in a layer to the exit along w_o.
+  [[gnu::noinline]] Floats depth_to_exit(int layer, float y, bool up, Vec3<Floats> wo) const {
+    const auto& numbers = *t.walk.layers;
+    const auto area = [&](int k) LAMELLA_INLINE_LAMBDA {
+      const OneLayer<Floats> at{numbers, k};
+      if (numbers.value[kFront][k] > 0) return VmfOnLanes<Floats>(at).sigma(-wo);
+      return projected_area(SggxOnLanes<Floats, SggxMatrix>(at).a, -wo);
+    };
+    Floats sum(0);
+    if (layer < t.walk.layer_count)
+      sum = area(layer) * Floats(up ? y : numbers.value[kDepth][layer] - y);
+    for (int k = up ? layer - 1 : layer + 1; k >= 0 && k < t.walk.layer_count; k += up ? -1 : 1)
+      sum = multiply_add(area(k), Floats(numbers.value[kDepth][k]), sum);
+    return sum;
+  }
+
+  /// Where the numbers of an event's directions stand in the scratch.
+  struct Scratch {
+    int padded_rows, columns;
+    float *mus, *inverses, *sines, *attenuations, *cosines, *phi_sines;
+    LAMELLA_INLINE explicit Scratch(const LaneCells& cells)
+        : padded_rows((cells.rows + 15) / 16 * 16),
+          columns(cells.padded_columns),
+          mus(cells.scratch),
+          inverses(mus + padded_rows),
+          sines(inverses + padded_rows),
+          attenuations(sines + padded_rows),  // two of them
+          cosines(attenuations + 2 * padded_rows),
+          phi_sines(cosines + columns) {}
+  };
+
+  [[gnu::noinline]] void aim(int layer, float y, float u_mu, float turn_cos, float turn_sin) const {
+    const LaneCells& cells = t.cells;
+    const Scratch to(cells);
+    const int sides = cells.both_sides ? 2 : 1;
+    const Floats rows(cells.rows), inverse_rows(1.0f / cells.rows);
+    for (int r = 0; r < cells.rows; r += kLanes) {
+      const Floats row = to_floats(Words::iota() + Words(r));
+      const Floats mu2 = max((rows - row - Floats(u_mu)) * inverse_rows, Floats(1e-9f));
+      const Floats inverse = reciprocal_sqrt(mu2), mu = mu2 * inverse;
+      const Floats sine = sqrt(nonnegative(Floats(1) - mu2));
+      mu.store(to.mus + r);
+      inverse.store(to.inverses + r);
+      sine.store(to.sines + r);
+      for (int side = 0; cells.symmetric && side < sides; ++side) {
+        const Vec3<Floats> wo{sine, Floats(0), side ? -mu : mu};
+        const Floats tau = depth_to_exit(layer, y, side == 0, wo) * inverse;
+        (exp(-tau) * inverse).store(to.attenuations + side * to.padded_rows + r);
+      }
+    }
+    for (int j = 0; j < to.columns; j += kLanes) {
+      const Floats c = Floats::load(cells.column_cos + j), s = Floats::load(cells.column_sin + j);
+      (c * Floats(turn_cos) - s * Floats(turn_sin)).store(to.cosines + j);
+      (s * Floats(turn_cos) + c * Floats(turn_sin)).store(to.phi_sines + j);
+    }
+  }
+
+  template <class M>
+  LAMELLA_INLINE void to_cells(const Sender<M>& sender, std::uint32_t slot, float y) const {
+    const LaneCells& cells = t.cells;
+    const Scratch from(cells);
+    const int sides = cells.both_sides ? 2 : 1, columns = from.columns;
+    const int places = sides * cells.rows * columns;
+    std::int64_t* at = sender.targets + static_cast<int>(slot) * t.channels * places;
+    for (int side = 0; side < sides; ++side)
+      for (int r = 0; r < cells.rows; ++r, at += columns) {
+        const Floats sine(from.sines[r]), z(side ? -from.mus[r] : from.mus[r]);
+        const Floats inverse(from.inverses[r]);
+        const Floats attenuation(from.attenuations[side * from.padded_rows + r]);
+        for (int j = 0; j < columns; j += kLanes) {
+          const Vec3<Floats> wo{sine * Floats::load(from.cosines + j),
+                                sine * Floats::load(from.phi_sines + j), z};
+          Floats a = attenuation;
+          if (!cells.symmetric)
+            a = exp(-(depth_to_exit(sender.layer, y, side == 0, wo) * inverse)) * inverse;
+          sender.send(wo, a, at + j, places);
+        }
+      }
+  }
+};
+
+}  // namespace lamella::LAMELLA_ISA

@@ -1,0 +1,108 @@
+#pragma once
+
+// Walks that lanes are to take. Only for sources of lamella_lanes().
+
+#include "phase/lanes/lane_math.h"
+#include "phase/random/lane_random.h"
+#include "volume/lanes/lane_task.h"
+
+namespace lamella::LAMELLA_ISA {
+
+inline constexpr int kLanes = Floats::kCount;
+/// Sets of lanes that know nothing of each other and step together: while one waits for its
+/// numbers, those of the others are computed.
+inline constexpr int kSets = 4;
+
+/// Blocks of random words of walks whose indices share their upper half.
+struct LaneNumbers {
+  std::uint32_t key0, key1;
+  Words index_high;
+  LAMELLA_INLINE explicit LaneNumbers(const LaneWalkTask& t)
+      : key0(static_cast<std::uint32_t>(t.walk.seed)),
+        key1(static_cast<std::uint32_t>(t.walk.seed >> 32)),
+        index_high(t.index_high) {}
+  LAMELLA_INLINE WordBlock operator()(Words position, std::uint32_t stream, Words index) const {
+    return philox(position, Words(stream), index, index_high, key0, key1);
+  }
+};
+
+/// Walks that are about to have their first collision, made many at once, for lanes that fall free.
+template <int C, class Set, class Score>
+struct LanePool {
+  static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
+  static constexpr bool kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
+  int from = 0, to = 0;
+  std::uint32_t batch = 0, made = 0;  // of its walks so many have begun
+  std::uint64_t uncollided = 0;       // among them
+  std::uint64_t collided = 0;         // of all batches
+  alignas(64) std::uint32_t numbers[4][kRoom];
+  alignas(64) std::uint32_t index[kRoom];
+  alignas(64) std::uint32_t death[kRoom];
+  alignas(64) std::uint32_t layer[kRoom];
+  alignas(64) float y[kRoom];
+
+  // Fills up to kSize, until the walks of the task are used up.
+  [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
+    const int left = to - from;
+    for (int k = 0; k < left; k += kLanes) {
+      for (auto& word : numbers) Words::load(word + from + k).store(word + k);
+      if constexpr (kIndex) Words::load(index + from + k).store(index + k);
+      Words::load(death + from + k).store(death + k);
+      if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
+      Floats::load(y + from + k).store(y + k);
+    }
+    from = 0;
+    to = left;
+    const LaneNumbers blocks(t);
+    const Words ramp(hn::Mul(Words::iota().v, Words(t.index_stride).v));
+    while (to < kSize && batch < t.batch_count) {
+      const LaneBatch& here = t.batches[batch];
+      const std::uint32_t rest = here.walks - made;
+      if (rest == 0) {
+        end_batch(t);
+        continue;
+      }
+      const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
+      LaneState<Floats, C> w;
+      w.index = Words(here.index_low + made * t.index_stride) + ramp;
+      w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
+      const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n));
+      const int found = count(hits);
+      uncollided += static_cast<std::uint64_t>(n - found);
+      collided += static_cast<std::uint64_t>(found);
+      if (t.walk.collides_at_once &&
+          found == kLanes)  // else the branch would cost more than it saves
+        keep(w, [](const auto& lanes, auto* at) LAMELLA_INLINE_LAMBDA { lanes.store(at); });
+      else
+        keep(w, [&](const auto& lanes, auto* at)
+                    LAMELLA_INLINE_LAMBDA { store_compressed(lanes, hits, at); });
+      to += found;
+      made += static_cast<std::uint32_t>(n);
+    }
+  }
+
+ private:
+  // Behind those that are there; store(lanes, where).
+  template <class Store>
+  LAMELLA_INLINE void keep(const LaneState<Floats, C>& w, const Store& store) {
+    for (int k = 0; k < 4; ++k) store(w.numbers.s[k], numbers[k] + to);
+    if constexpr (kIndex) store(w.index, index + to);
+    store(w.death, death + to);
+    if constexpr (kLayer) store(w.layer, layer + to);
+    store(w.y, y + to);
+  }
+  void end_batch(const LaneWalkTask& t) {
+    LaneSums& sums = *t.batches[batch].sums;
+    const int straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
+    constexpr int kOrders = static_cast<int>(kRouletteOrder + 1);
+    sums.ends[straight * kOrders] += uncollided;
+    for (int c = 0; t.weighs() && c < t.channels; ++c)
+      sums.weights[(c * kWalkEnds + straight) * kOrders] +=
+          static_cast<std::int64_t>(uncollided << 32);
+    ++batch;
+    made = 0;
+    uncollided = 0;
+  }
+};
+
+}  // namespace lamella::LAMELLA_ISA

@@ -1,0 +1,321 @@
+#include "volume/lanes/lane_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "volume/walk/walk.h"
+
+namespace lamella {
+namespace {
+
+constexpr int kOrders = kTallyOrders;
+static_assert(kRouletteOrder == kTallyOrders);
+
+std::size_t padded(std::size_t count) { return (count + 15) / 16 * 16; }
+
+}  // namespace
+
+LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+                 int batches)
+    : setting_(stack, plan, incident, seed),
+      thinning_(plan.thinning),
+      incident_(incident),
+      counts_(batches) {
+  task_.walk = setting_.walk;
+  task_.weights = !setting_.common_albedo;
+  task_.one_medium = setting_.parts.size() == 1 && !task_.weights;
+  walk_ = task_.one_medium ? walk_lanes_for(plan.isa) : walk_stack_lanes_for(plan.isa);
+  task_.channels = plan.channels;
+  task_.index_stride = static_cast<std::uint32_t>(batches);
+  if (!task_.weights && task_.channels > 1) {
+    task_.order_cap = static_cast<std::uint32_t>(plan.max_order);
+    for (int c = 0; c < task_.channels; ++c)
+      for (std::uint32_t k = 0; k <= task_.order_cap; ++k) {
+        end_weight_.push_back(std::llround(setting_.weight_after(c, k) * kPointUnits));
+        event_weight_.push_back(
+            static_cast<float>(k == 0 ? 1 : setting_.weight_after(c, k - 1) * setting_.albedo[c]));
+      }
+    task_.end_weight = end_weight_.data();
+    task_.event_weight = event_weight_.data();
+  }
+  for (Counts& c : counts_) {
+    c.ends.resize(kWalkEnds * (kOrders + 1));
+    if (task_.weighs()) c.weights.resize(c.ends.size() * task_.channels);
+  }
+}
+
+LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+                 int batches, const CellTargets& cells, Estimator estimator)
+    : LaneRun(stack, plan, incident, seed, batches) {
+  cells_ = cells;
+  const CellGrid& grid = cells.grid;
+  LaneCells& to = task_.cells;
+  to.on = true;
+  to.folded = grid.folded;
+  to.both_sides = cells.both_sides;
+  to.symmetric = stack.is_symmetric_about_z();
+  to.rows = grid.rows();
+  to.columns = grid.columns();
+  to.phi_cells = grid.phi_cells;
+  to.azimuth_turns = static_cast<float>(cells.incident_azimuth / (2 * kPi));
+  if (estimator == Estimator::analog) {
+    task_.estimate = LaneEstimate::cells_counted;
+    for (Counts& c : counts_)
+      c.cells.resize(static_cast<std::size_t>(kOrders) * task_.channels * cells.count() +
+                     c.ends.size());
+    return;
+  }
+  task_.estimate = LaneEstimate::cells_next_event;
+  task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_in_cells(stack, plan, grid)));
+  const std::size_t columns = padded(grid.columns()), rows = padded(grid.rows());
+  to.padded_columns = static_cast<int>(columns);
+  for (std::size_t j = 0; j < columns; ++j) {
+    const double phi = cells.incident_azimuth + 2 * kPi * static_cast<double>(j) / grid.phi_cells;
+    column_cos_.push_back(static_cast<float>(std::cos(phi)));
+    column_sin_.push_back(static_cast<float>(std::sin(phi)));
+  }
+  to.column_cos = column_cos_.data();
+  to.column_sin = column_sin_.data();
+  for (Counts& c : counts_) {
+    c.targets.resize(kOrders * task_.channels * (cells.both_sides ? 2 : 1) * grid.rows() * columns);
+    c.scratch.resize(kLaneScratchRows * rows + 2 * columns);
+  }
+}
+
+LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+                 int batches, const std::vector<Direction>& points)
+    : LaneRun(stack, plan, incident, seed, batches) {
+  if (points.empty()) return;
+  task_.estimate = LaneEstimate::points;
+  task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_at_points(stack, plan)));
+  trace(stack, points);
+  for (Counts& c : counts_) c.targets.resize(kOrders * task_.channels * padded(points.size()));
+}
+
+void LaneRun::trace(const Stack& stack, const std::vector<Direction>& points) {
+  constexpr std::size_t kPlaces = kMostLaneLayers + 1;
+  const std::size_t count = padded(points.size()), layers = setting_.parts.size();
+  for (auto* by_layer : {&rate_, &beyond_}) by_layer->resize((layers + 1) * count);
+  for (auto* by_point : {&rate_by_point_, &beyond_by_point_}) by_point->resize(kPlaces * count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const Direction wo = points[std::min(j, points.size() - 1)];
+    point_x_.push_back(static_cast<float>(wo.x));
+    point_y_.push_back(static_cast<float>(wo.y));
+    point_z_.push_back(static_cast<float>(wo.z));
+    const bool up = wo.z > 0;
+    if (j < points.size()) inverse_mu_.push_back(1 / std::abs(wo.z));
+    task_.points.up += j < points.size() && up;
+    double tau = 0;
+    const auto write = [&](std::size_t k, double rate) {
+      rate_[k * count + j] = rate_by_point_[j * kPlaces + k] = static_cast<float>(rate);
+      beyond_[k * count + j] = beyond_by_point_[j * kPlaces + k] = static_cast<float>(tau);
+    };
+    for (std::size_t step = 0; step < layers; ++step) {
+      const std::size_t k = up ? step : layers - 1 - step;
+      const LanePart& part = setting_.parts[k];
+      const double rate = sigma(stack.layers[part.layer].medium, -wo) / std::abs(wo.z);
+      write(k, rate);
+      if (rate > 0) tau += part.depth * rate;
+    }
+    // The substrate's light crosses all of them; it does not go down.
+    if (!up) tau = 1e30;
+    write(layers, 0);
+  }
+  task_.points.count = static_cast<int>(points.size());
+  task_.points.padded = static_cast<int>(count);
+  task_.points.x = point_x_.data();
+  task_.points.y = point_y_.data();
+  task_.points.z = point_z_.data();
+  task_.points.rate = rate_.data();
+  task_.points.beyond = beyond_.data();
+  task_.points.rate_by_point = rate_by_point_.data();
+  task_.points.beyond_by_point = beyond_by_point_.data();
+}
+
+std::optional<std::uint64_t> LaneRun::first_not_finite(LaneWalkTask task, LaneBatch batch) const {
+  const auto is_finite = [&](LaneBatch part) {
+    Counts spare = counts_.front();
+    LaneSums sums = spare.sums();
+    part.sums = &sums;
+    task.batches = &part;
+    task.batch_count = 1;
+    task.cells.scratch = spare.scratch.data();
+    walk_(task);
+    return sums.finite;
+  };
+  if (is_finite(batch)) return std::nullopt;
+  // Halves the walks until one is left: they are the same in whatever company.
+  while (batch.walks > 1) {
+    LaneBatch half = batch;
+    half.walks = batch.walks / 2;
+    if (is_finite(half)) {
+      batch.index_low += half.walks * task.index_stride;
+      half.walks = batch.walks - half.walks;
+    }
+    batch.walks = half.walks;
+  }
+  return (std::uint64_t{task.index_high} << 32) + batch.index_low;
+}
+
+void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> tallies) {
+  LaneWalkTask task = task_;
+  task.cells.scratch = counts_[first].scratch.data();
+  const std::uint64_t stride = counts_.size();
+  std::vector<Part> left(parts.begin(), parts.end());
+  std::vector<LaneSums> sums;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    sums.push_back(counts_[first + k].sums());
+    tallies[k].walks += parts[k].to - parts[k].from;
+  }
+  for (;;) {
+    // As far as the upper half of the index stays.
+    std::vector<LaneBatch> batches;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      const std::uint64_t index = left[k].from * stride + static_cast<std::uint64_t>(first) + k;
+      const std::uint64_t low = index & 0xFFFFFFFFu;
+      const std::uint64_t here =
+          std::min(left[k].to - left[k].from, (0xFFFFFFFFu - low) / stride + 1);
+      task.index_high = static_cast<std::uint32_t>(index >> 32);
+      batches.push_back(
+          {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(here), &sums[k]});
+      left[k].from += here;
+    }
+    if (std::all_of(batches.begin(), batches.end(),
+                    [](const LaneBatch& b) { return b.walks == 0; }))
+      break;
+    task.batches = batches.data();
+    task.batch_count = static_cast<std::uint32_t>(batches.size());
+    walk_(task);
+    if (!sums.front().finite)
+      for (const LaneBatch& batch : batches)
+        if (const auto walk = first_not_finite(task, batch))
+          throw NonFiniteError(task.walk.seed, *walk, incident_);
+  }
+  Counts& counts = counts_[first];
+  counts.lane_steps += sums.front().lane_steps;
+  counts.busy += sums.front().busy_lane_steps;
+  counts.events += sums.front().events;
+  counts.reflections += sums.front().reflections;
+  for (std::size_t k = 0; k < parts.size(); ++k) to_tally(counts_[first + k], tallies[k]);
+  // The first one's counts have all events.
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    tallies.front().collisions += tallies[k].collisions;
+    tallies[k].collisions = 0;
+  }
+}
+
+std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
+  std::vector<std::uint64_t> ends = counts.ends;
+  if (task_.estimate != LaneEstimate::cells_counted || task_.weighs()) return ends;
+  const std::size_t side = cells_.grid.cells();
+  const std::int64_t* cells = counts.cells.data();
+  for (int slot = 0; slot < kOrders; ++slot)
+    for (int end = 0; end < (cells_.both_sides ? 2 : 1); ++end, cells += side)
+      ends[end * (kOrders + 1) + slot + 1] +=
+          static_cast<std::uint64_t>(std::accumulate(cells, cells + side, std::int64_t{0}));
+  for (std::size_t at = 0; at < ends.size(); ++at)
+    ends[at] += static_cast<std::uint64_t>(cells[at]);
+  return ends;
+}
+
+void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
+  const std::vector<std::uint64_t> ends = all_ends(counts);
+  const double chance = setting_.chance;
+  const auto place = [](WalkEnd end, int order) {
+    return static_cast<std::size_t>(end) * (kOrders + 1) + static_cast<std::size_t>(order);
+  };
+  // Thinning leaves what the others stand for. Of those that an event ended which halves and, from
+  // the fourth on, absorbs as well, absorption had this share.
+  double standing = static_cast<double>(tally.walks);
+  if (thinning_.is_on()) {
+    const double albedo = *std::max_element(setting_.albedo.begin(), setting_.albedo.end());
+    const double absorbed = task_.weights ? 0 : (1 - albedo) / (2 - albedo);
+    standing = absorbed * static_cast<double>(ends[place(WalkEnd::thinned, kOrders)]);
+    for (const WalkEnd end : {WalkEnd::up, WalkEnd::down, WalkEnd::absorbed, WalkEnd::unresolved})
+      for (int k = 0; k <= kOrders; ++k) standing += static_cast<double>(ends[place(end, k)]);
+  }
+  EnergySums energy{};
+  const WalkEnd straight = task_.walk.from_above ? WalkEnd::down : WalkEnd::up;
+  for (int c = 0; c < task_.channels; ++c) {
+    // What walks of one order weigh together as they end.
+    const auto ended = [&](WalkEnd end, int order) {
+      const std::size_t at = place(end, order);
+      if (!task_.weighs())
+        return chance * static_cast<double>(ends[at]) * setting_.weight_after(0, order);
+      return chance / kPointUnits * static_cast<double>(counts.weights[c * ends.size() + at]);
+    };
+    energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
+    energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
+    energy.thinned[c] = chance * (static_cast<double>(tally.walks) - standing);
+    // A walk has lost to its events what it lacks at its end, and at a last event everything.
+    energy.absorbed[c] = chance * standing - ended(straight, 0) - ended(WalkEnd::unresolved, 0);
+    for (int k = 1; k <= kOrders; ++k) {
+      energy.up[k - 1][c] = ended(WalkEnd::up, k);
+      energy.down[k - 1][c] = ended(WalkEnd::down, k);
+      energy.unresolved[c] += ended(WalkEnd::unresolved, k);
+      energy.absorbed[c] -=
+          ended(WalkEnd::up, k) + ended(WalkEnd::down, k) + ended(WalkEnd::unresolved, k);
+    }
+  }
+  tally.energy = energy;
+  tally.collisions = counts.events - counts.reflections;
+  // The event that was one too many.
+  const unsigned counted_for = thinning_.spared(task_.walk.max_order);
+  for (int k = 0; k <= kOrders; ++k)
+    tally.collisions -=
+        ends[static_cast<int>(WalkEnd::unresolved) * (kOrders + 1) + k] >> counted_for;
+}
+
+void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
+  energies_to_tally(counts, tally);
+  const int channels = task_.channels;
+  const double chance = setting_.chance;
+  if (task_.estimate == LaneEstimate::cells_counted) {
+    const double scale = chance / cells_.grid.projected_solid_angle();
+    const std::size_t targets = cells_.count();
+    for (int slot = 0; slot < kOrders; ++slot) {
+      const double weight = task_.weighs() ? 1 / kPointUnits : setting_.weight_after(0, slot + 1);
+      for (int c = 0; c < channels; ++c)
+        for (std::size_t j = 0; j < targets; ++j) {
+          const auto sum = static_cast<double>(counts.cells[(c * kOrders + slot) * targets + j]);
+          tally.f[(slot * channels + c) * targets + j] = scale * weight * sum;
+        }
+    }
+    return;
+  }
+  if (task_.estimate == LaneEstimate::energies) return;
+  // What an event of an order sends out, where the sums leave that out.
+  const auto factor = [&](int slot) {
+    return chance / (kPointUnits * static_cast<double>(task_.term_scale)) *
+           (task_.weighs() ? 1 : setting_.weight_after(0, slot) * setting_.albedo[0]);
+  };
+  const bool points = task_.estimate == LaneEstimate::points;
+  const std::size_t columns = points ? task_.points.padded : task_.cells.padded_columns;
+  const std::size_t used = points ? task_.points.count : task_.cells.columns;
+  const std::size_t rows = points ? 1 : task_.cells.rows * (task_.cells.both_sides ? 2 : 1);
+  for (int slot = 0; slot < kOrders; ++slot) {
+    const double scale = factor(slot);
+    for (int c = 0; c < channels; ++c)
+      for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t j = 0; j < used; ++j) {
+          const std::size_t plane = slot * channels + c;
+          tally.f[(plane * rows + r) * used + j] =
+              scale * (points ? inverse_mu_[j] : 1) *
+              static_cast<double>(counts.targets[(plane * rows + r) * columns + j]);
+        }
+  }
+}
+
+LaneUse LaneRun::use() const {
+  double steps = 0, busy = 0, events = 0;
+  for (const Counts& c : counts_) {
+    steps += static_cast<double>(c.lane_steps);
+    busy += static_cast<double>(c.busy);
+    events += static_cast<double>(c.events);
+  }
+  if (busy <= 0) return {};
+  return {busy / steps, 1 - events / busy};
+}
+
+}  // namespace lamella

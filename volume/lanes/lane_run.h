@@ -1,0 +1,99 @@
+#pragma once
+
+#include <tbb/cache_aligned_allocator.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volume/lanes/lane_setting.h"
+#include "volume/lanes/lane_task.h"
+#include "volume/plan/plan.h"
+#include "volume/result/tally.h"
+#include "volume/walk/scorers.h"
+
+namespace lamella {
+
+/// Why the walks of a stack run in the scalar double kernel, if they do; in words for a user. Where
+/// float could not keep its promise (a relative bias below 1e-5), the answer is a reason, too.
+[[nodiscard]] std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan);
+/// Likewise for next-event estimation at points, or in cells.
+[[nodiscard]] std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
+                                                          const std::vector<Direction>& points);
+[[nodiscard]] std::optional<std::string> why_not_lanes_in_cells(const Stack& stack,
+                                                                const Plan& plan,
+                                                                const CellGrid& grid);
+
+/// By how many bits next-event terms of thinned walks, of which one counts for hundreds, are
+/// rounded more coarsely than to 1 / kPointUnits, so that fixed point holds the largest.
+[[nodiscard]] int coarser_bits_at_points(const Stack& stack, const Plan& plan);
+[[nodiscard]] int coarser_bits_in_cells(const Stack& stack, const Plan& plan, const CellGrid& grid);
+
+/// The walks of one incident direction on lanes. Everything is counted in whole numbers, or in
+/// fixed point, so that a batch's tally does not depend on how its walks were dealt out.
+class LaneRun {
+ public:
+  /// Walks with the analog estimator's counts in cells, or with next-event estimates of them.
+  LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed, int batches,
+          const CellTargets& cells, Estimator estimator);
+  /// Walks with next-event estimates of f at points; without any, energies alone.
+  LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed, int batches,
+          const std::vector<Direction>& points);
+
+  /// The walks from, from + 1, ... to - 1 of a batch.
+  struct Part {
+    std::uint64_t from, to;
+  };
+  /// Such walks of neighbouring batches, the first of them given; updates their tallies to all
+  /// their walks so far. Several at once where walks are thinned: a few of them are so long that
+  /// others should keep them company. Different batches may run at the same time. Throws
+  /// NonFiniteError.
+  void run(int first, std::span<const Part> parts, std::span<BatchTally> tallies);
+
+  [[nodiscard]] LaneUse use() const;
+
+ private:
+  /// What lanes load and store: no vector of theirs straddles two cache lines.
+  template <class T>
+  using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
+
+  struct Counts {
+    std::vector<std::uint64_t> ends;
+    std::vector<std::int64_t> weights, cells;
+    Aligned<std::int64_t> targets;
+    Aligned<float> scratch;
+    std::uint64_t lane_steps = 0, busy = 0, events = 0, reflections = 0;
+    [[nodiscard]] LaneSums sums() {
+      return {.ends = ends.data(),
+              .weights = weights.data(),
+              .cells = cells.data(),
+              .targets = targets.data()};
+    }
+  };
+  /// The index of such a walk, if the batch has any.
+  [[nodiscard]] std::optional<std::uint64_t> first_not_finite(LaneWalkTask task,
+                                                              LaneBatch batch) const;
+  LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
+          int batches);
+  void trace(const Stack& stack, const std::vector<Direction>& points);
+  /// Walks by end and order, those that cells count among them.
+  [[nodiscard]] std::vector<std::uint64_t> all_ends(const Counts& counts) const;
+  void to_tally(const Counts& counts, BatchTally& tally) const;
+  void energies_to_tally(const Counts& counts, BatchTally& tally) const;
+
+  LaneSetting<float> setting_;
+  Thinning thinning_;
+  void (*walk_)(const LaneWalkTask&);
+  LaneWalkTask task_;
+  Direction incident_;
+  CellTargets cells_;
+  std::vector<double> inverse_mu_;  // per point
+  Aligned<float> point_x_, point_y_, point_z_, rate_, beyond_, rate_by_point_, beyond_by_point_;
+  Aligned<float> column_cos_, column_sin_;
+  std::vector<float> event_weight_;
+  std::vector<std::int64_t> end_weight_;
+  std::vector<Counts> counts_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,207 @@
+#include "volume/lanes/lane_setting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volume/lanes/lane_marginals.h"
+
+namespace lamella {
+namespace {
+
+int words_of(LaneMediumKind kind) {
+  switch (kind) {
+    case LaneMediumKind::lambert_sphere:
+      return LambertSphereOnLanes<double>::kWords;
+    case LaneMediumKind::henyey_greenstein:
+      return HenyeyGreensteinOnLanes<double>::kWords;
+    case LaneMediumKind::sggx_mirror:
+      return SggxMirrorOnLanes<double>::kWords;
+    case LaneMediumKind::sggx_lambert:
+      return SggxLambertOnLanes<double>::kWords;
+    case LaneMediumKind::vmf_mirror:
+      return VmfMirrorOnLanes<double>::kWords;
+    case LaneMediumKind::vmf_lambert:
+      return VmfLambertOnLanes<double>::kWords;
+    case LaneMediumKind::substrate:
+      return SubstrateOnLanes<double>::kWords;
+  }
+  return 0;
+}
+
+template <class Scalar>
+class LayerWriter {
+ public:
+  LayerWriter(LaneSetting<Scalar>& to, int layer, Direction incident)
+      : to_(to), layer_(layer), incident_(incident) {}
+
+  /// sigma(w_i), or the majorant that flights are by.
+  double area = 1;
+
+  void set(int field, double value) {
+    to_.layers.value[field][layer_] = static_cast<Scalar>(value);
+  }
+  void set_kind(LaneMediumKind kind) {
+    set(kKind, static_cast<int>(kind));
+    to_.walk.kinds |= 1u << static_cast<int>(kind);
+    to_.walk.words = std::max(to_.walk.words, words_of(kind));
+  }
+  void set_matrix(int field, const SggxMatrix<double>& a) {
+    const double numbers[] = {a.a00, a.a10, a.a11, a.a20, a.a21, a.a22};
+    for (int k = 0; k < 6; ++k) set(field + k, numbers[k]);
+  }
+
+  void operator()(const LambertSphere&) { particle(LaneMediumKind::lambert_sphere); }
+  void operator()(const HenyeyGreenstein& m) {
+    particle(LaneMediumKind::henyey_greenstein);
+    set(kG, m.g);
+  }
+  void operator()(const MirrorFlakes<Sggx>& m) { sggx(LaneMediumKind::sggx_mirror, m.ndf); }
+  void operator()(const LambertFlakes<Sggx>& m) { sggx(LaneMediumKind::sggx_lambert, m.ndf); }
+  void operator()(const MirrorFlakes<Vmf>& m) { vmf(LaneMediumKind::vmf_mirror, m.ndf); }
+  void operator()(const LambertFlakes<Vmf>& m) { vmf(LaneMediumKind::vmf_lambert, m.ndf); }
+
+ private:
+  void particle(LaneMediumKind kind) {
+    set_kind(kind);
+    set_matrix(kA, {1, 0, 1, 0, 0, 1});
+  }
+  void sggx(LaneMediumKind kind, const Sggx& flakes) {
+    set_kind(kind);
+    const SggxMatrix<double>& a = flakes.matrix();
+    set_matrix(kA, a);
+    set_matrix(kInverse, inverse_of(a));
+    set(kDensityScale, 1 / (4 * kPi * a.determinant()));
+    area = flakes.sigma(incident_);
+  }
+  void vmf(LaneMediumKind kind, const Vmf& flakes) {
+    set_kind(kind);
+    const Direction axis = flakes.axis();
+    set(kUp, axis.z > 0 ? 1 : -1);
+    const VisibleNormalMixture<double> mixture{flakes.sigma(axis), flakes.sigma(-axis),
+                                               flakes.sigma(frame_around(axis).s)};
+    set(kFront, mixture.front);
+    set(kBack, mixture.back);
+    set(kSide, mixture.side);
+    const double kappa = vmf_concentration(flakes.alpha()), u = dot(incident_, axis);
+    set(kKappa, kappa);
+    set(kDensityScale, vmf_density(kappa, 1) / 4);
+    // Six widths of the distribution: sigma(-u) is 1e-10 there.
+    const double reach = std::min(1.0, 6 / std::sqrt(std::max(kappa, 1e-300)));
+    set(kMean, vmf_mean_cosine(kappa));
+    set(kReach, reach);
+    const std::size_t pieces = to_.tables.size() / 4;
+    set(kTable, static_cast<double>(pieces));
+    const std::vector<float> marginals = vmf_marginals(kappa);
+    to_.tables.insert(to_.tables.end(), marginals.begin(), marginals.end());
+    append_cubics(to_.tables,
+                  [&](double t) { return vmf_sigma(reach * (2 * t - 1), flakes.alpha()); });
+    area = mixture.majorant(u, std::sqrt(std::max(0.0, (1 - u) * (1 + u))));
+  }
+
+  LaneSetting<Scalar>& to_;
+  int layer_;
+  Direction incident_;
+};
+
+template <class Scalar>
+bool is_upright(const LayerNumbers<Scalar>& layers, int count) {
+  const auto& a = layers.value;
+  for (int k = 0; k < count; ++k)
+    if (a[kA + 1][k] != 0 || a[kA + 3][k] != 0 || a[kA + 4][k] != 0 || a[kA][k] != a[kA + 2][k])
+      return false;
+  return true;
+}
+
+}  // namespace
+
+SggxMatrix<double> inverse_of(const SggxMatrix<double>& a) {
+  const Direction x = a.solve({1, 0, 0}), y = a.solve({0, 1, 0}), z = a.solve({0, 0, 1});
+  return {x.x, x.y, y.y, x.z, y.z, z.z};
+}
+
+std::vector<LanePart> lane_parts(const Stack& stack, const Plan& plan) {
+  std::vector<LanePart> parts;
+  for (const int k : plan.layers) {
+    const double depth = stack.layers[k].depth();
+    if (depth > kDeepestPart && std::isfinite(depth))
+      for (const double part : {kDeepestPart / 2, depth - kDeepestPart, kDeepestPart / 2})
+        parts.push_back({k, part});
+    else
+      parts.push_back({k, depth});
+  }
+  return parts;
+}
+
+template <class Scalar>
+LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction incident,
+                                 std::uint64_t seed)
+    : parts(lane_parts(stack, plan)) {
+  const auto channels = [](Rgb c) { return std::array<double, 3>{c.r, c.g, c.b}; };
+  walk.layers = &layers;
+  walk.layer_count = static_cast<int>(parts.size());
+  walk.grey = plan.channels == 1;
+  walk.substrate = stack.substrate.has_value();
+  walk.from_above = incident.z > 0;
+  // The limit of grazing light, which float would round to a horizontal way.
+  const double wi[] = {incident.x, incident.y,
+                       std::copysign(std::max(std::abs(incident.z), 1e-30), incident.z)};
+  std::copy(std::begin(wi), std::end(wi), walk.wi);
+  walk.max_order = static_cast<std::uint32_t>(plan.max_order);
+  walk.thinned_from = plan.thinning.first;
+  walk.seed = seed;
+  albedo = channels(stack.layers[plan.layers[0]].albedo);
+  common_albedo = !walk.substrate;
+  double tau = 0;
+  for (int k = 0; k < walk.layer_count; ++k) {
+    const Layer& layer = stack.layers[parts[k].layer];
+    LayerWriter<Scalar> writer(*this, k, incident);
+    std::visit(writer, layer.medium);
+    writer.set(kDepth, parts[k].depth);
+    tau += parts[k].depth * writer.area / std::abs(incident.z);
+    for (int c = 0; c < 3; ++c) {
+      writer.set(kAlbedo + c, layer.albedo[c]);
+      writer.set(kF0 + c, layer.f0[c]);
+    }
+    const bool fresnel = layer.f0 != Rgb(1);
+    walk.fresnel = walk.fresnel || fresnel;
+    common_albedo = common_albedo && !fresnel && channels(layer.albedo) == albedo;
+  }
+  layers.tables = tables.data();
+  walk.upright = is_upright(layers, walk.layer_count);
+  if (walk.substrate) {
+    walk.kinds |= 1u << static_cast<int>(LaneMediumKind::substrate);
+    walk.words = std::max(walk.words, words_of(LaneMediumKind::substrate));
+    const auto below = channels(stack.substrate->albedo);
+    std::copy(below.begin(), below.end(), walk.substrate_albedo);
+  }
+  const double brightest = *std::max_element(albedo.begin(), albedo.end());
+  walk.orders_per_absorption = brightest < 1 ? static_cast<Scalar>(-1 / std::log(brightest))
+                                             : std::numeric_limits<Scalar>::infinity();
+  walk.black = brightest == 0;
+  walk.ends_absorb =
+      common_albedo && !walk.black && !plan.thinning.is_on() &&
+      kLargestExponential * static_cast<double>(walk.orders_per_absorption) + kRouletteOrder + 1 <
+          static_cast<double>(plan.max_order);
+  const double collides = -std::expm1(-tau);
+  constexpr double kAtOnce = 0.999;
+  walk.collides_at_once = collides > kAtOnce;
+  if (collides <= kForcedChance && !walk.substrate) {
+    chance = collides;
+    walk.forced_chance = static_cast<Scalar>(collides);
+  }
+}
+
+template <class Scalar>
+double LaneSetting<Scalar>::weight_after(int channel, std::uint32_t order) const {
+  const double c = albedo[channel];
+  const double brightest = *std::max_element(albedo.begin(), albedo.end());
+  const double early = std::min(order, kRouletteOrder - 1);
+  if (order < kRouletteOrder || c == brightest) return std::pow(c, early);
+  return c == 0 ? 0 : std::pow(c, early) * std::pow(c / brightest, order - early);
+}
+
+template struct LaneSetting<float>;
+template struct LaneSetting<double>;
+
+}  // namespace lamella

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "volume/lanes/lane_step.h"
+#include "volume/plan/plan.h"
+
+namespace lamella {
+
+/// A part of a layer that lanes take as a layer of its own.
+struct LanePart {
+  int layer;  ///< of the stack
+  double depth;
+};
+
+/// The layers of a plan as lanes take them. Depth is kept from a layer's top, and float would not
+/// resolve where light enters a deep slab from below: layers deeper than kDeepestPart are cut into
+/// a bulk, in whose midst a place may be rounded, and two ends.
+[[nodiscard]] std::vector<LanePart> lane_parts(const Stack& stack, const Plan& plan);
+inline constexpr double kDeepestPart = 16;
+
+/// A stack and its light in the numbers of lanes (float), or of their reference (double). The
+/// tables must outlive what points to them.
+template <class Scalar>
+struct LaneSetting {
+  LaneSetting(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed);
+  LaneSetting(const LaneSetting&) = delete;
+  LaneSetting& operator=(const LaneSetting&) = delete;
+
+  /// Without weights: what a walk weighs after so many events. Survival from the fourth event on
+  /// has the chance of the brightest channel.
+  [[nodiscard]] double weight_after(int channel, std::uint32_t order) const;
+
+  LayerNumbers<Scalar> layers;
+  WalkSetting<Scalar> walk;
+  std::vector<LanePart> parts;
+  std::vector<float> tables;
+  /// Of every layer, where all are the same: walks then carry no weights, the order tells them.
+  bool common_albedo = false;
+  std::array<double, 3> albedo{};
+  double chance = 1;  ///< of the first collision where it is forced
+};
+
+/// A^-1
+[[nodiscard]] SggxMatrix<double> inverse_of(const SggxMatrix<double>& a);
+
+}  // namespace lamella

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+
+#include "phase/lanes/isa.h"
+#include "volume/lanes/lane_step.h"
+
+namespace lamella {
+
+/// Directions that next-event estimation sends light to, structure of arrays; `padded` is `count`
+/// rounded up to a multiple of 16, places beyond `count` repeat a valid direction.
+struct LanePoints {
+  int count = 0, padded = 0, up = 0;
+  const float *x = nullptr, *y = nullptr, *z = nullptr;
+  /// sigma(-w_o) / |mu_o| of a layer, and the optical depth between the layer and the exit:
+  /// [layer][padded], and [point][kMostLaneLayers + 1]. The last layer is the substrate's.
+  const float *rate = nullptr, *beyond = nullptr;
+  const float *rate_by_point = nullptr, *beyond_by_point = nullptr;
+};
+
+/// Where leaving light is counted, and where next-event estimation sends it; see CellGrid.
+struct LaneCells {
+  bool on = false, folded = false, both_sides = false;
+  bool symmetric = false;  ///< about z: what light meets on its way out depends on mu alone
+  int rows = 0, columns = 0, phi_cells = 0;
+  int padded_columns = 0;                                    ///< next event: a multiple of 16
+  float azimuth_turns = 0;                                   ///< of w_i, as a fraction of a turn
+  const float *column_cos = nullptr, *column_sin = nullptr;  ///< of the columns' first edges
+  float* scratch = nullptr;  ///< kLaneScratchRows rows + 2 padded_columns numbers
+};
+/// mu, its inverse, its sine, and the attenuation upwards and downwards; rows padded to 16.
+inline constexpr int kLaneScratchRows = 5;
+
+/// Fixed point makes sums independent of their order: terms are rounded to 2^-32.
+inline constexpr double kPointUnits = 0x1p32;
+/// The largest term that fixed point takes.
+inline constexpr double kPointLimit = 0x1p18;
+/// 1 / |mu| of a direction within a cell is at most this, times the square root of the rows.
+inline constexpr double kLargestInverseMu = 0x1.7p8;
+
+/// What the walks of a task are estimated by.
+enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
+
+/// What a batch's walks add up to.
+struct LaneSums {
+  /// Walks [WalkEnd][order], orders from 4 on together; where walks are thinned, each counts for
+  /// those that it stood for (thinned ones without weights: had it lived on). Of walks without
+  /// weights and colour that are counted in cells, `cells` has those that left and, behind the
+  /// cells, the others.
+  std::uint64_t* ends = nullptr;
+  /// Weights of walks at their end [channel][WalkEnd][order] in units of 1 / kPointUnits; only if
+  /// the task has weights or three channels.
+  std::int64_t* weights = nullptr;
+  /// cells_counted: walks [slot][target] and, behind them, as `ends`; or the weights of walks
+  /// [channel][slot][target].
+  std::int64_t* cells = nullptr;
+  /// Next event: p(w_i -> w_o) exp(-tau) (on cells, over |mu_o|) times the weight, if the task has
+  /// weights or three channels: [slot][channel][place].
+  std::int64_t* targets = nullptr;
+  /// Steps taken times lanes, how many of these lanes had a walk, and how many an event of it: the
+  /// others had a null collision.
+  std::uint64_t lane_steps = 0, busy_lane_steps = 0, events = 0;
+  std::uint64_t reflections = 0;  ///< the substrate's among the events
+  /// False where a walk met a number that is not finite.
+  bool finite = true;
+};
+
+/// Walks of a batch: the j-th has the index (index_high, index_low + j index_stride) of the task,
+/// which does not overflow.
+struct LaneBatch {
+  std::uint32_t index_low = 0, walks = 0;
+  LaneSums* sums = nullptr;
+};
+
+/// Walks of a batch, or of neighbouring ones, so that the longest walks of one keep company with
+/// the next one's.
+struct LaneWalkTask {
+  WalkSetting<float> walk;
+  /// One layer of one medium without weights: volume/lanes/lane_task.cpp. Else
+  /// volume/lanes/lane_any_stack.cpp.
+  bool one_medium = false;
+  bool weights = false;  ///< walks carry weights, one per channel; else the order alone tells them
+  int channels = 1;
+  LaneEstimate estimate = LaneEstimate::energies;
+  LanePoints points;
+  LaneCells cells;
+  /// Without weights and with three channels: the weight of a walk after so many events, and the
+  /// weight that an event of that order sends out; [channel][order_cap + 1].
+  const std::int64_t* end_weight = nullptr;
+  const float* event_weight = nullptr;
+  std::uint32_t order_cap = 0;
+  /// Of thinned walks: what next-event terms are scaled by, a power of two.
+  float term_scale = 1;
+  std::uint32_t index_high = 0, index_stride = 0;
+  /// Of several batches the number is the index modulo the stride, a power of two, less that of the
+  /// first. Steps and events count in the first one's sums.
+  const LaneBatch* batches = nullptr;
+  std::uint32_t batch_count = 0;
+
+  [[nodiscard]] LAMELLA_INLINE std::uint32_t batch_of(std::uint32_t index) const {
+    return batch_count == 1 ? 0 : (index - batches[0].index_low) & (index_stride - 1);
+  }
+  [[nodiscard]] bool weighs() const { return weights || channels > 1; }
+};
+
+LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task))
+
+}  // namespace lamella

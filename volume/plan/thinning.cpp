@@ -1,0 +1,68 @@
+// Where thinning pays.
+
+#include "volume/plan/thinning.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volume/plan/plan.h"
+
+namespace lamella {
+namespace {
+
+// Where the longest walks have fewer events (of particles that scatter evenly) it does not pay:
+// `lamella bench --only thinning`.
+constexpr double kLongWalk = 400;
+// Events, of particles that scatter evenly.
+constexpr std::uint32_t kFirst = 16, kLatestFirst = 1u << 12;
+
+// 1 - g: an event of a forward peak is that part of one.
+double turn(const Medium& medium) {
+  const auto* hg = std::get_if<HenyeyGreenstein>(&medium);
+  return hg ? std::clamp(1 - hg->g, 1e-4, 1.0) : 1;
+}
+
+// The largest share of light that an event passes on, over channels; Schlick's factor at its mean.
+double passed_on(const Layer& layer) {
+  double most = 0;
+  for (int c = 0; c < 3; ++c)
+    most = std::max(most, layer.albedo[c] * (layer.f0[c] + (1 - layer.f0[c]) / 21));
+  return most;
+}
+
+// The least of the layers' turns: most of the events of long walks are there.
+double least_turn(const Stack& stack, const Plan& plan) {
+  double least = 1;
+  for (const int k : plan.layers) least = std::min(least, turn(stack.layers[k].medium));
+  return least;
+}
+
+}  // namespace
+
+double longest_walk(const Stack& stack, const Plan& plan) {
+  double depth = 0, absorbed = 1, drift = 0;
+  for (const int k : plan.layers) {
+    const Layer& layer = stack.layers[k];
+    const double area = (sigma(layer.medium, {0, 0, 1}) + sigma(layer.medium, {0, 0, -1})) / 2;
+    depth += layer.depth() * area * turn(layer.medium);
+    absorbed = std::min(absorbed, (1 - passed_on(layer)) / turn(layer.medium));
+    // One-sided flakes let light out again within so many mean free paths.
+    drift = std::max(drift, std::abs(mean_normal(layer.medium).z) / std::max(area, 1e-300));
+  }
+  // Diffusion: as many events as the square of the way.
+  return (1 + 1 / (absorbed + 1 / (depth * depth) + drift * drift)) / least_turn(stack, plan);
+}
+
+Thinning thinning_of(const Stack& stack, const Plan& plan) {
+  const auto first = static_cast<std::uint32_t>(std::ceil(kFirst / least_turn(stack, plan)));
+  return {std::min(std::bit_ceil(first), kLatestFirst)};
+}
+
+Thinning thinning_for(const Stack& stack, const Plan& plan) {
+  if (plan.layers.empty() || plan.has_grids()) return {};
+  const double longest = longest_walk(stack, plan) * least_turn(stack, plan);
+  if (std::min(longest, static_cast<double>(plan.max_order)) < kLongWalk) return {};
+  return thinning_of(stack, plan);
+}
+
+}  // namespace lamella

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "phase/math/real.h"
+
+namespace lamella {
+
+/// Long walks are thinned by halves: after event `first`, 4 first, 16 first, ... a walk ends with
+/// the chance 1/2, and one that goes on counts double from there. Nothing changes on average.
+///
+/// Where little is absorbed n^-1/2 of the walks are on their way after n events and n^-3/2 leave at
+/// the n-th, down to the longest, N: events cost sqrt(N) per walk, most of them spent on few walks.
+/// With a survival of s(n) cost is the sum of n^-1/2 s and variance that of n^-3/2 / s; their
+/// product is least for s like n^-1/2 (Cauchy and Schwarz), when both grow like log N.
+struct Thinning {
+  /// A power of two, or 0: never.
+  std::uint32_t first = 0;
+  /// Events beyond it halve no more.
+  static constexpr std::uint32_t kLast = 1u << 24;
+
+  [[nodiscard]] bool is_on() const { return first != 0; }
+
+  /// How often a walk has been spared that lives on after so many events.
+  [[nodiscard]] unsigned spared(std::uint64_t events) const {
+    const std::uint64_t n = events < kLast ? events : kLast;
+    if (!is_on() || n < first) return 0;
+    return static_cast<unsigned>((std::bit_width(n) - std::bit_width(first)) / 2 + 1);
+  }
+  [[nodiscard]] bool halves_at(std::uint64_t events) const {
+    return events <= kLast && std::has_single_bit(events) && spared(events) != spared(events - 1);
+  }
+  /// What a walk counts for that lives on after so many events.
+  [[nodiscard]] double weight(std::uint64_t events) const {
+    return static_cast<double>(std::uint64_t{1} << spared(events));
+  }
+};
+
+/// Thinning::spared on lanes.
+template <class Words>
+[[nodiscard]] LAMELLA_INLINE Words spared_of(std::uint32_t first, Words events) {
+  const Words n = min(events, Words(Thinning::kLast));
+  const Words bit = highest_bit(max(n, Words(first))) - Words(highest_bit(first));
+  return select(is_below(n, Words(first)), Words(0u), shift_right<1>(bit) + Words(1u));
+}
+
+/// The event at which thinning ends a walk, from 32 random bits; ~0 if none does.
+template <class Words>
+[[nodiscard]] LAMELLA_INLINE Words thinned_at(std::uint32_t first, Words bits) {
+  // So many leading zeros of 24 bits: each halves the chance.
+  const Words spared = Words(23u) - highest_bit(max(shift_right<8>(bits), Words(1u)));
+  const Words bit = Words(highest_bit(first)) + shift_left<1>(spared);
+  return select(is_below(Words(highest_bit(Thinning::kLast)), bit), Words(~0u),
+                word_with_bit(min(bit, Words(30u))));
+}
+
+}  // namespace lamella

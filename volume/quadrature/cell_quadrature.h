@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "phase/math/color.h"
+
+namespace lamella {
+
+/// A range of mu in [0, 1] and of phi [radians].
+struct MuPhiRange {
+  double mu0, mu1, phi0, phi1;
+};
+
+/// Cosine-weighted mean over such a range.
+struct CellMean {
+  Rgb value;
+  Rgb error;               ///< estimate, absolute
+  bool exhausted = false;  ///< stopped short of the tolerance, at the largest number of parts
+};
+
+/// Mean of f(mu, phi), weighted by mu, over a range: tensor Gauss-Legendre rules of 4 x 4 points on
+/// parts that are halved both ways where they differ most from 3 x 3 points, until those
+/// differences sum to less than `tolerance` (absolute, per channel). `peak`: where f may be sharp,
+/// (mu, phi); parts that hold it, edges included, are halved towards it before any is judged.
+[[nodiscard]] CellMean cell_mean(const std::function<Rgb(double mu, double phi)>& f,
+                                 const MuPhiRange& range, Rgb tolerance,
+                                 const std::vector<std::pair<double, double>>& peaks);
+
+}  // namespace lamella

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "volume/plan/plan.h"
+#include "volume/result/cell_grid.h"
+#include "volume/result/tally.h"
+#include "volume/solver/deterministic.h"
+
+namespace lamella {
+
+/// One lobe on the cells of one side: mean of f over each cell, [channel][cell], with standard
+/// errors.
+struct LobeEstimate {
+  std::vector<double> value, standard_error;
+};
+
+/// What simulate gives for one incident direction; sides are relative to it.
+struct SideResult {
+  std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
+  std::array<Estimate, 3> specular{};  ///< the part of it that met delta flakes only
+  std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
+  /// Lobes 1, 2, 3, 4+, all; empty if light cannot leave here.
+  std::array<LobeEstimate, kTallyOrders + 1> lobes{};
+};
+
+/// What is known of one incident direction, whichever estimator found it. Where the deterministic
+/// solver did, every standard_error is an error bound instead, and accuracy says what was reached.
+struct RunResult {
+  Direction incident{};
+  Estimator estimator = Estimator::analog;
+  CellGrid grid;
+  int channels = 1;
+  std::uint64_t walks = 0, collisions = 0;
+  std::uint64_t max_order = 0;  ///< of walks, likewise their thinning
+  Thinning thinning;
+  std::uint64_t holes = 0;  ///< rays that began inside of explicit grains: a defect
+  double seconds = 0;
+  SideResult reflected, transmitted;
+  std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
+  std::array<Estimate, 3> thinned{};  ///< by walks that ended for others to count double: noise
+  std::optional<DeterministicAccuracy> accuracy{};
+
+  [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }
+};
+
+/// The sum of all parts of the ledger, 1 up to rounding.
+[[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {
+  return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
+         run.absorbed[c].value + run.unresolved[c].value + run.thinned[c].value;
+}
+
+}  // namespace lamella

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "phase/math/direction.h"
+
+namespace lamella {
+
+/// Orders are tallied as 1, 2, 3, and 4 and above.
+inline constexpr int kTallyOrders = 4;
+
+[[nodiscard]] constexpr int order_slot(std::uint64_t events) {
+  return events >= kTallyOrders ? kTallyOrders - 1 : static_cast<int>(events) - 1;
+}
+
+/// Sums over the walks of a batch of what becomes of the light, per channel, each counted where it
+/// happens: none is what is left of the others.
+struct EnergySums {
+  using Channels = std::array<double, 3>;
+  std::array<Channels, kTallyOrders> up{},
+      down{};                               ///< left the stack there, after that many events
+  Channels specular_up{}, specular_down{};  ///< the part of it that met delta flakes only
+  Channels uncollided{}, absorbed{}, unresolved{};
+  Channels thinned{};  ///< what thinning has taken less what it has given: 0 on average
+};
+
+/// What the lanes were busy with.
+struct LaneUse {
+  double occupancy = 0;  ///< lanes that had a walk at each step, of all
+  double null = 0;       ///< of these, lanes whose collision was a null one
+};
+
+/// What one batch of walks has counted.
+struct BatchTally {
+  std::uint64_t walks = 0;
+  std::uint64_t collisions = 0;
+  std::uint64_t holes = 0;  ///< rays among grains that began inside of one
+  EnergySums energy;
+  /// Sums over walks of estimates of f [1/sr]: [order][channel][target], targets being cells or
+  /// points.
+  std::vector<double> f;
+};
+
+/// A mean over batches and its standard error.
+struct Estimate {
+  double value = 0, standard_error = 0;
+};
+
+/// Mean per walk and standard error of a quantity from its sums per batch and the batches' walks.
+template <class SumOf>
+[[nodiscard]] Estimate batch_estimate(const std::vector<BatchTally>& batches, const SumOf& sum_of) {
+  double sum = 0, walks = 0;
+  for (const BatchTally& b : batches) {
+    sum += sum_of(b);
+    walks += static_cast<double>(b.walks);
+  }
+  if (walks == 0) return {};
+  const double mean = sum / walks;
+  double variance = 0;
+  for (const BatchTally& b : batches) {
+    const double excess = sum_of(b) - mean * static_cast<double>(b.walks);
+    variance += excess * excess;
+  }
+  const double n = static_cast<double>(batches.size());
+  return {mean, std::sqrt(variance * n / (n - 1)) / walks};
+}
+
+}  // namespace lamella

@@ -1,0 +1,333 @@
+#include "volume/run/simulation.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <chrono>
+#include <stdexcept>
+
+#include "volume/grid_walk/grid_walk.h"
+#include "volume/lanes/lane_run.h"
+
+namespace lamella {
+namespace {
+
+Direction checked_incident(const Stack& stack, Direction wi) {
+  wi = with_grazing_limit(wi);
+  if (wi.z < 0 && !stack.is_open_below())
+    throw std::invalid_argument(stack.substrate
+                                    ? "light from below meets an opaque substrate"
+                                    : "light from below cannot come through a half space");
+  if (stack.grains()) {
+    GrainScene::require_available();
+    if (std::abs(wi.z) < kGrainGrazingLimit)
+      throw std::invalid_argument(fmt::format(
+          "light at |mu| = {:.3g} on explicit geometry; allowed: |mu| of {} and above (theta up to "
+          "{:.2f} degrees)",
+          std::abs(wi.z), kGrainGrazingLimit, std::acos(kGrainGrazingLimit) * 180 / kPi));
+  }
+  return wi;
+}
+
+/// Calls f<M, kSingle>() for the medium type and layer count that the plan asks for.
+template <class F>
+auto specialise(const WalkStack& stack, const Plan& plan, const F& f) {
+  if (!plan.uniform_medium || stack.layers.empty())
+    return f(std::type_identity<Medium>{}, std::false_type{});
+  return std::visit(
+      [&]<class M>(const M&) {
+        return plan.single_layer ? f(std::type_identity<M>{}, std::true_type{})
+                                 : f(std::type_identity<M>{}, std::false_type{});
+      },
+      *stack.layers[0].medium);
+}
+
+}  // namespace
+
+Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
+                       Estimator estimator, CellGrid grid, std::uint64_t seed)
+    : stack_(stack),
+      plan_(plan),
+      incident_(checked_incident(stack, incident)),
+      estimator_(estimator),
+      seed_(seed),
+      walk_stack_(stack_, plan_),
+      batches_(kBatches) {
+  grid.folded = plan.folded && grid.phi_cells % 2 == 0;
+  targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
+  for (BatchTally& batch : batches_)
+    batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * targets_.count());
+  if (stack.grains()) {
+    run_batch_ = grain_runner(estimator == Estimator::analog ? GrainScores::analog
+                                                             : GrainScores::next_event);
+    return;
+  }
+  if (plan.has_grids()) {
+    run_batch_ =
+        grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
+    return;
+  }
+  if (!(estimator == Estimator::analog ? why_not_lanes(stack_, plan_)
+                                       : why_not_lanes_in_cells(stack_, plan_, targets_.grid))) {
+    lanes_ =
+        std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, targets_, estimator);
+    return;
+  }
+  run_batch_ = plan.channels == 1 ? runner<1>(estimator, false) : runner<3>(estimator, false);
+}
+
+Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
+                       std::vector<Direction> points, std::uint64_t seed)
+    : stack_(stack),
+      plan_(plan),
+      incident_(checked_incident(stack, incident)),
+      estimator_(Estimator::next_event),
+      seed_(seed),
+      points_(std::move(points)),
+      walk_stack_(stack_, plan_),
+      batches_(kBatches) {
+  for (BatchTally& batch : batches_)
+    batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * points_.size());
+  if (stack.grains()) {
+    run_batch_ = grain_runner(points_.empty() ? GrainScores::nothing : GrainScores::points);
+    return;
+  }
+  if (plan.has_grids()) {
+    run_batch_ = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
+                             &points_, batches_);
+    return;
+  }
+  if (!why_not_lanes_at(stack_, plan_, points_)) {
+    lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, points_);
+    return;
+  }
+  run_batch_ = plan.channels == 1 ? runner<1>(Estimator::next_event, true)
+                                  : runner<3>(Estimator::next_event, true);
+}
+
+Simulation::~Simulation() = default;
+
+template <int C>
+Simulation::RunBatch Simulation::runner(Estimator estimator, bool points) {
+  const auto walks_of = [this]<class M, bool kSingle>(
+                            std::type_identity<M>, std::bool_constant<kSingle>, auto& scorer,
+                            int batch, std::uint64_t from, std::uint64_t to) {
+    for (std::uint64_t i = from; i < to; ++i) {
+      const std::uint64_t index = i * kBatches + batch;
+      scorer.begin_walk(seed_, index);
+      walk<M, C, kSingle>(walk_stack_, incident_, seed_, index, scorer, batches_[batch]);
+    }
+  };
+  return specialise(walk_stack_, plan_, [&](auto medium, auto single) -> RunBatch {
+    if (estimator == Estimator::analog)
+      return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
+        AnalogScorer<C> scorer(targets_, batches_[batch]);
+        walks_of(medium, single, scorer, batch, from, to);
+      };
+    if (points && points_.empty())
+      return [=](int batch, std::uint64_t from, std::uint64_t to) {
+        NullScorer scorer;
+        walks_of(medium, single, scorer, batch, from, to);
+      };
+    if (points)
+      return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
+        NextEventScorer<C> scorer(points_, walk_stack_, batches_[batch]);
+        walks_of(medium, single, scorer, batch, from, to);
+      };
+    return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
+      NextEventScorer<C> scorer(targets_, walk_stack_, batches_[batch]);
+      walks_of(medium, single, scorer, batch, from, to);
+    };
+  });
+}
+
+Simulation::RunBatch Simulation::grain_runner(GrainScores scores) {
+  grains_.emplace(stack_, incident_, seed_, plan_.max_order);
+  if (scores == GrainScores::points && grains_->geometry.surface != GrainSurface::lambert)
+    throw std::invalid_argument(
+        "f at points of grains that mirror; allowed: Lambertian grains, or lobes on cells (lamella "
+        "simulate, compare)");
+  return [this, scores](int batch, std::uint64_t from, std::uint64_t to) {
+    const auto walk = plan_.channels == 1 ? walk_among_grains<1> : walk_among_grains<3>;
+    walk(*grains_, scores, targets_, points_, batch, kBatches, from, to, batches_[batch]);
+  };
+}
+
+void Simulation::advance(std::uint64_t walks) {
+  if (walks <= walks_) return;
+  // Batch b has the walks b, b + kBatches, ...
+  const auto count = [](int batch, std::uint64_t total) {
+    return total > static_cast<std::uint64_t>(batch) ? (total - batch - 1) / kBatches + 1 : 0;
+  };
+  if (lanes_) {
+    // Thinned walks: as many batches together as leave every thread two shares.
+    const int shares = plan_.thinning.is_on()
+                           ? std::min(kBatches, 2 * tbb::this_task_arena::max_concurrency())
+                           : kBatches;
+    tbb::parallel_for(0, shares, [&](int share) {
+      const int first = share * kBatches / shares, end = (share + 1) * kBatches / shares;
+      std::vector<LaneRun::Part> parts;
+      for (int batch = first; batch < end; ++batch)
+        parts.push_back({count(batch, walks_), count(batch, walks)});
+      lanes_->run(first, parts, {batches_.data() + first, parts.size()});
+    });
+  } else {
+    tbb::parallel_for(0, kBatches, [&](int batch) {
+      run_batch_(batch, count(batch, walks_), count(batch, walks));
+    });
+  }
+  walks_ = walks;
+}
+
+std::optional<LaneUse> Simulation::lane_use() const {
+  if (!lanes_) return std::nullopt;
+  return lanes_->use();
+}
+
+std::uint64_t Simulation::collisions() const {
+  std::uint64_t sum = 0;
+  for (const BatchTally& batch : batches_) sum += batch.collisions;
+  return sum;
+}
+
+std::uint64_t Simulation::holes() const {
+  std::uint64_t sum = 0;
+  for (const BatchTally& batch : batches_) sum += batch.holes;
+  return sum;
+}
+
+std::uint64_t Simulation::stride() const {
+  // The longest of thinned walks on lanes take their time after all others have ended.
+  if (lanes_ && plan_.thinning.is_on() && estimator_ == Estimator::analog) return 1 << 17;
+  return kBatches * (grains_ ? grains_->walks_per_realisation : 1);
+}
+
+namespace {
+
+SideResult reduce_side(const Simulation& simulation, bool up) {
+  const CellTargets& targets = simulation.targets();
+  const int channels = simulation.plan().channels;
+  const int cells = targets.grid.cells(), count = targets.count();
+  const auto& batches = simulation.batches();
+  SideResult side;
+  const auto energy_of = [up](const BatchTally& b) -> const auto& {
+    return up ? b.energy.up : b.energy.down;
+  };
+  for (int c = 0; c < channels; ++c) {
+    for (int o = 0; o < kTallyOrders; ++o)
+      side.orders[o][c] =
+          batch_estimate(batches, [&](const BatchTally& b) { return energy_of(b)[o][c]; });
+    side.total[c] = batch_estimate(batches, [&](const BatchTally& b) {
+      double sum = 0;
+      for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
+      return sum;
+    });
+    side.specular[c] = batch_estimate(batches, [&](const BatchTally& b) {
+      return (up ? b.energy.specular_up : b.energy.specular_down)[c];
+    });
+  }
+  if (!up && !targets.both_sides) return side;
+  for (int o = 0; o <= kTallyOrders; ++o) {
+    LobeEstimate& lobe = side.lobes[o];
+    lobe.value.resize(static_cast<std::size_t>(channels) * cells);
+    lobe.standard_error.resize(lobe.value.size());
+    for (int c = 0; c < channels; ++c)
+      for (int cell = 0; cell < cells; ++cell) {
+        const int target = target_of(targets, up, cell);
+        const auto slot = [&](int order) {
+          return (static_cast<std::size_t>(order) * channels + c) * count + target;
+        };
+        const Estimate e = batch_estimate(batches, [&](const BatchTally& b) {
+          if (o < kTallyOrders) return b.f[slot(o)];
+          double sum = 0;
+          for (int order = 0; order < kTallyOrders; ++order) sum += b.f[slot(order)];
+          return sum;
+        });
+        lobe.value[static_cast<std::size_t>(c) * cells + cell] = e.value;
+        lobe.standard_error[static_cast<std::size_t>(c) * cells + cell] = e.standard_error;
+      }
+  }
+  return side;
+}
+
+}  // namespace
+
+RunResult reduce(const Simulation& simulation) {
+  RunResult run;
+  run.incident = simulation.incident();
+  run.estimator = simulation.estimator();
+  run.grid = simulation.targets().grid;
+  run.channels = simulation.plan().channels;
+  run.walks = simulation.walks();
+  run.collisions = simulation.collisions();
+  run.max_order = simulation.plan().max_order;
+  run.thinning = simulation.plan().thinning;
+  run.holes = simulation.holes();
+  const bool up = run.incident.z > 0;
+  run.reflected = reduce_side(simulation, up);
+  run.transmitted = reduce_side(simulation, !up);
+  const auto& batches = simulation.batches();
+  for (int c = 0; c < run.channels; ++c) {
+    run.uncollided[c] =
+        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.uncollided[c]; });
+    run.absorbed[c] =
+        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.absorbed[c]; });
+    run.thinned[c] =
+        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.thinned[c]; });
+    run.unresolved[c] =
+        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.unresolved[c]; });
+  }
+  return run;
+}
+
+double largest_relative_error(const Simulation& simulation) {
+  double largest = 0;
+  const auto consider = [&](const Estimate& e) {
+    if (e.value > 1e-3) largest = std::max(largest, e.standard_error / e.value);
+  };
+  for (const bool up : {true, false})
+    for (int c = 0; c < simulation.plan().channels; ++c) {
+      const auto energy_of = [&](const BatchTally& b) -> const auto& {
+        return up ? b.energy.up : b.energy.down;
+      };
+      for (int o = 0; o < kTallyOrders; ++o)
+        consider(batch_estimate(simulation.batches(),
+                                [&](const BatchTally& b) { return energy_of(b)[o][c]; }));
+      consider(batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        double sum = 0;
+        for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
+        return sum;
+      }));
+    }
+  return largest;
+}
+
+double run(Simulation& simulation, const StopRule& rule,
+           const std::function<void(const Progress&)>& progress,
+           const std::atomic<bool>* interrupted) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  constexpr double kCheckpointSeconds = 0.2;
+  std::uint64_t chunk = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
+  std::uint64_t next_test = std::max<std::uint64_t>(1 << 14, simulation.stride());
+  while (simulation.walks() < rule.walks) {
+    std::uint64_t goal = std::min(rule.walks, simulation.walks() + chunk);
+    if (rule.target_error) goal = std::min(goal, std::max(next_test, simulation.walks() + 1));
+    const double before = elapsed();
+    simulation.advance(goal);
+    const double now = elapsed();
+    if (now - before < kCheckpointSeconds) chunk *= 2;
+    if (progress) progress({simulation.walks(), rule.walks, now});
+    if (interrupted && *interrupted) break;
+    if (rule.seconds && now >= *rule.seconds) break;
+    if (rule.target_error && simulation.walks() >= next_test) {
+      if (largest_relative_error(simulation) <= *rule.target_error) break;
+      next_test *= 2;
+    }
+  }
+  return elapsed();
+}
+
+}  // namespace lamella

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "volume/grains/grain_walk.h"
+#include "volume/plan/plan.h"
+#include "volume/result/run_result.h"
+#include "volume/result/tally.h"
+#include "volume/walk/scorers.h"
+
+namespace lamella {
+
+/// Walks are dealt out to this many batches, walk i to batch i mod kBatches; standard errors come
+/// from the scatter between them.
+inline constexpr int kBatches = 128;
+
+class LaneRun;
+
+/// The walks of one incident direction, through layers or among explicit grains. For a given seed,
+/// estimator and number of walks the sums are the same to the last bit for any number of threads
+/// and any way in which `advance` got there.
+class Simulation {
+ public:
+  /// Lobes on cells. `incident`: unit, mu = 0 is the limit from above; below a half space or an
+  /// opaque substrate it is refused (std::invalid_argument), as is, on explicit geometry, |mu|
+  /// below kGrainGrazingLimit. Explicit geometry without Embree throws GeometryError.
+  Simulation(const Stack& stack, const Plan& plan, Direction incident, Estimator estimator,
+             CellGrid grid, std::uint64_t seed);
+  /// f at points, by next-event estimation. Every point must have mu != 0; those that go up first.
+  /// Without points: the energies alone. Mirror grains cannot be aimed at points: refused.
+  Simulation(const Stack& stack, const Plan& plan, Direction incident,
+             std::vector<Direction> points, std::uint64_t seed);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Continues to `walks` in all, in the calling thread's task arena. Throws NonFiniteError.
+  void advance(std::uint64_t walks);
+
+  [[nodiscard]] std::uint64_t walks() const { return walks_; }
+  [[nodiscard]] std::uint64_t collisions() const;
+  /// Rays that a defect of explicit geometry let into a grain: 0.
+  [[nodiscard]] std::uint64_t holes() const;
+  /// Advancing by a multiple of this many walks wastes nothing: among grains, whole realisations;
+  /// where walks are thinned, as many as keep the longest company.
+  [[nodiscard]] std::uint64_t stride() const;
+  [[nodiscard]] const std::vector<BatchTally>& batches() const { return batches_; }
+  [[nodiscard]] const CellTargets& targets() const { return targets_; }
+  [[nodiscard]] Direction incident() const { return incident_; }
+  [[nodiscard]] const Stack& stack() const { return stack_; }
+  [[nodiscard]] const Plan& plan() const { return plan_; }
+  [[nodiscard]] Estimator estimator() const { return estimator_; }
+  /// What the walks run on: the plan's, or scalar where it has no kernel for them.
+  [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
+  /// Nothing for scalar walks.
+  [[nodiscard]] std::optional<LaneUse> lane_use() const;
+
+ private:
+  using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;
+  template <int C>
+  [[nodiscard]] RunBatch runner(Estimator estimator, bool points);
+  [[nodiscard]] RunBatch grain_runner(GrainScores scores);
+
+  Stack stack_;
+  Plan plan_;
+  Direction incident_;
+  Estimator estimator_;
+  std::uint64_t seed_;
+  std::uint64_t walks_ = 0;
+  CellTargets targets_;
+  std::vector<Direction> points_;
+  WalkStack walk_stack_;
+  std::optional<GrainSetting> grains_;
+  std::vector<BatchTally> batches_;
+  RunBatch run_batch_;
+  std::unique_ptr<LaneRun> lanes_;
+};
+
+/// Reduces the batches of a simulation on cells, in batch order.
+[[nodiscard]] RunResult reduce(const Simulation& simulation);
+
+/// The index of side and cell among the targets of a tally.
+[[nodiscard]] inline int target_of(const CellTargets& targets, bool up, int cell) {
+  return cell + (up ? 0 : targets.grid.cells());
+}
+
+/// When to stop. Walks are always bounded; the others end a run earlier.
+struct StopRule {
+  std::uint64_t walks = 1000000;
+  std::optional<double> target_error;  ///< largest relative standard error of lobe energies > 1e-3
+  std::optional<double> seconds;
+};
+
+/// What a run tells while it goes on.
+struct Progress {
+  std::uint64_t walks, of_walks;
+  double seconds;
+};
+
+/// Advances until the rule says stop. The error is tested at doubling numbers of walks only, from
+/// 2^14 on, because stopping on an error is biased. Returns the seconds taken. `interrupted` ends
+/// the run at the next checkpoint.
+double run(Simulation& simulation, const StopRule& rule,
+           const std::function<void(const Progress&)>& progress,
+           const std::atomic<bool>* interrupted);
+
+/// The largest relative standard error over the lobe energies above 1e-3.
+[[nodiscard]] double largest_relative_error(const Simulation& simulation);
+
+}  // namespace lamella

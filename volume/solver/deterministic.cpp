@@ -1,0 +1,297 @@
+#include "volume/solver/deterministic.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "volume/solver/deterministic_channel.h"
+#include "volume/solver/mode_tail.h"
+
+namespace lamella {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Both grazing, straight on and near it are among the pairs: the hard places of steep media.
+const std::vector<double> kProbesIn{0.01, 0.07, 0.3, 0.6, 0.9};
+const std::vector<double> kProbesOut{0.01, 0.02, 0.13, 0.45, 0.6, 0.62, 1.0};
+
+// Of the brightest pair between two sides: where f is fainter, errors are relative to that.
+constexpr double kFaint = 1e-8;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What the probes see at one number of nodes. second: the part of order 2 that may be integrated
+// directly instead; rest: all other orders from 2 up.
+struct ProbeModes {
+  std::vector<Parts> second, rest;
+  Parts mean;                     // over the azimuth, of all orders
+  std::array<double, 4> faint{};  // kFaint of the brightest, by part
+
+  // What errors are relative to.
+  [[nodiscard]] double scale(int part, Index pair) const {
+    return std::max(mean[part](pair), faint[part]);
+  }
+};
+
+struct Limits {
+  double tolerance;
+  int max_modes;
+  std::size_t max_bytes;
+  double seconds;  // left
+  bool steep;
+  const std::atomic<bool>* stop;
+};
+
+// What the modes left out may add, at the worst probe, but for order 2 of steep media.
+double left_out(const ProbeModes& probes, int parts) {
+  double worst = 0;
+  std::vector<double> modes(probes.rest.size());
+  for (int part = 0; part < parts; ++part)
+    for (Index p = 0; p < probes.mean[part].size(); ++p) {
+      if (!(probes.mean[part](p) > 1e-200)) continue;
+      for (std::size_t m = 0; m < modes.size(); ++m)
+        modes[m] = probes.rest[m][part](p) / probes.scale(part, p);
+      worst = std::max(worst, fit_mode_tail(modes).error);
+    }
+  return worst;
+}
+
+// The modes end when four in a row stay below a tenth of the tolerance at every probe and those
+// left out add less than half of it; those that fall slowly, at twice as many as the former asks
+// for.
+ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const Limits& limits,
+                        DeterministicLimit& ended) {
+  const auto start = std::chrono::steady_clock::now();
+  ProbeModes result;
+  const Index nodes = stack.sets().nodes();
+  const int batch = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
+  int quiet = 0, first_quiet = 0;
+  ended = DeterministicLimit::modes;
+  std::vector<LayerOperator> solved(batch);
+  for (int first = 0; first < limits.max_modes; first += batch) {
+    const int count = std::min(batch, limits.max_modes - first);
+    if (stack.bytes_of(first + count) > limits.max_bytes) {
+      ended = DeterministicLimit::memory;
+      return result;
+    }
+    if (first > 0 && seconds_since(start) > limits.seconds) {
+      ended = DeterministicLimit::time;
+      return result;
+    }
+    if (first > 0 && limits.stop && *limits.stop) {
+      ended = DeterministicLimit::interrupted;
+      return result;
+    }
+    stack.prepare(first + count);
+    oneapi::tbb::parallel_for(0, count, [&](int k) { solved[k] = stack.mode(first + k); });
+    for (int k = 0; k < count; ++k) {
+      const int m = first + k;
+      Parts rest, second;
+      double size = 0;
+      const std::optional<Parts> counted = split ? split->counted(m) : std::nullopt;
+      for (int part = 0; part < parts; ++part) {
+        const Series& series = part_of(solved[k], part);
+        if (m == 0) {
+          result.mean[part] = asked(series[0], nodes);
+          result.faint[part] = std::max(kFaint * result.mean[part].maxCoeff(), 1e-200);
+        }
+        rest[part] = asked(series[0] - series[1], nodes);
+        if (limits.steep) {
+          second[part] = counted ? (*counted)[part] : asked(series[2], nodes);
+          rest[part] -= second[part];
+        }
+        for (Index i = 0; i < rest[part].size(); ++i)
+          size = std::max(size, 2 * std::abs(rest[part](i)) / result.scale(part, i));
+      }
+      result.rest.push_back(std::move(rest));
+      if (limits.steep) result.second.push_back(std::move(second));
+      // Odd and even modes may differ: several small ones in a row end the series.
+      quiet = size < limits.tolerance / 10 ? quiet + 1 : 0;
+      if (quiet < 4) continue;
+      if (first_quiet == 0) first_quiet = m + 1;
+      if (m + 1 >= 2 * first_quiet || left_out(result, parts) <= limits.tolerance / 2) {
+        ended = DeterministicLimit::none;
+        return result;
+      }
+      quiet = 0;
+    }
+  }
+  return result;
+}
+
+// Largest errors over all probes, relative to the scale of f.
+struct Errors {
+  double nodes = 0;         // of all but order 2 of steep media
+  double second_nodes = 0;  // of that order, where few enough of its modes are left out
+  double all = 0;
+};
+
+Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, double tolerance) {
+  Errors worst;
+  double worst_rest = 0;
+  for (int part = 0; part < parts; ++part)
+    for (Index p = 0; p < fine.mean[part].size(); ++p) {
+      if (!(fine.mean[part](p) > 1e-200)) continue;
+      const double scale = fine.scale(part, p);
+      struct One {
+        double nodes = 0, left_out = 0;
+      };
+      const auto compare = [&](const std::vector<Parts>& a, const std::vector<Parts>& b) {
+        One one;
+        std::vector<double> modes(b.size());
+        for (std::size_t m = 0; m < b.size(); ++m) {
+          modes[m] = b[m][part](p) / scale;
+          // Modes that only one of the two has belong to the tail.
+          if (m < a.size())
+            one.nodes += (m == 0 ? 1 : 2) * std::abs(b[m][part](p) - a[m][part](p)) / scale;
+        }
+        one.left_out = fit_mode_tail(modes).error;
+        return one;
+      };
+      const One rest = compare(coarse.rest, fine.rest);
+      worst.nodes = std::max(worst.nodes, rest.nodes);
+      double all = rest.nodes + rest.left_out;
+      worst_rest = std::max(worst_rest, all);
+      if (!fine.second.empty()) {
+        const One second = compare(coarse.second, fine.second);
+        if (second.left_out <= tolerance / 4) {
+          worst.second_nodes = std::max(worst.second_nodes, second.nodes);
+          all += second.nodes + second.left_out;
+        }
+      }
+      worst.all = std::max(worst.all, all);
+    }
+  if (is_second_integrated(worst.second_nodes, tolerance)) worst.all = worst_rest;
+  return worst;
+}
+
+bool channels_equal(const Stack& stack, int a, int b) {
+  return std::all_of(
+             stack.layers.begin(), stack.layers.end(),
+             [&](const Layer& l) { return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b]; }) &&
+         (!stack.substrate || stack.substrate->albedo[a] == stack.substrate->albedo[b]);
+}
+
+}  // namespace
+
+std::string to_text(DeterministicLimit limit) {
+  switch (limit) {
+    case DeterministicLimit::nodes:
+      return "nodes";
+    case DeterministicLimit::modes:
+      return "modes";
+    case DeterministicLimit::time:
+      return "time";
+    case DeterministicLimit::memory:
+      return "memory";
+    case DeterministicLimit::interrupted:
+      return "interrupted";
+    default:
+      return "";
+  }
+}
+
+std::optional<std::string> why_not_deterministic(const Stack& stack) {
+  if (stack.has_grid()) return "a grid varies a layer's density laterally";
+  if (stack.grains()) return "the stack is explicit geometry";
+  if (!stack.is_symmetric_about_z()) return "the stack is not symmetric about the normal";
+  for (const Layer& layer : stack.layers)
+    if (is_delta(layer.medium)) return "mirror flakes at roughness 0 scatter into a delta";
+  return std::nullopt;
+}
+
+DeterministicSolution solve_deterministic(const Stack& stack, const DeterministicOptions& options) {
+  if (const auto reason = why_not_deterministic(stack)) throw std::invalid_argument(*reason);
+  const auto start = std::chrono::steady_clock::now();
+  DeterministicSolution solution;
+  solution.stack_ = stack;
+  solution.tolerance_ = options.tolerance;
+  solution.steep_ = std::any_of(stack.layers.begin(), stack.layers.end(),
+                                [](const Layer& l) { return is_steep(l.medium); });
+  for (int c = 0; c < 3; ++c) {
+    int same = 0;
+    while (!channels_equal(stack, same, c)) ++same;
+    if (same == c) solution.channels_.push_back(c);
+    solution.channel_of_[c] =
+        static_cast<int>(std::find(solution.channels_.begin(), solution.channels_.end(), same) -
+                         solution.channels_.begin());
+  }
+  const int parts = stack.is_open_below() ? 4 : 1;
+  const std::size_t channels = solution.channels_.size();
+  std::vector<ProbeModes> coarse(channels);
+  DeterministicAccuracy& accuracy = solution.accuracy_;
+  accuracy.error = 1;
+  for (int nodes = options.min_nodes, step = 0;; ++step) {
+    const double begun = seconds_since(start);
+    DeterministicAccuracy now;
+    std::array<int, 3> mode_counts{};
+    std::array<std::array<double, 4>, 3> faint{};
+    now.nodes = nodes;
+    DeterministicLimit ended = DeterministicLimit::none;
+    for (std::size_t k = 0; k < channels; ++k) {
+      const int channel = solution.channels_[k];
+      const DirectionSets sets(nodes, kProbesOut, kProbesIn, grazing_map(stack));
+      StackModes modes(stack, channel, sets, solution.steep_ ? 2 : 1);
+      std::optional<SecondSplit> split;
+      if (solution.steep_) split.emplace(stack, channel, sets);
+      DeterministicLimit this_ended;
+      // Modes that vary much faster than the nodes can follow would be noise.
+      int max_modes = std::min(options.max_modes, 16 * nodes + 24);
+      if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes[channel]);
+      const Limits limits{options.tolerance, max_modes,
+                          options.max_bytes, 2 * options.max_seconds - seconds_since(start),
+                          solution.steep_,   options.stop};
+      ProbeModes fine = solve_probes(modes, split ? &*split : nullptr, parts, limits, this_ended);
+      if (this_ended != DeterministicLimit::none) ended = this_ended;
+      const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);
+      now.node_error = std::max(now.node_error, step == 0 ? 1 : errors.nodes);
+      now.second_error = std::max(now.second_error, errors.second_nodes);
+      now.error = std::max(now.error, step == 0 ? 1 : errors.all);
+      mode_counts[k] = static_cast<int>(fine.rest.size());
+      faint[k] = fine.faint;
+      now.modes = std::max(now.modes, mode_counts[k]);
+      now.bytes = std::max(now.bytes, modes.bytes());
+      coarse[k] = std::move(fine);
+    }
+    for (int c = 0; c < 3; ++c) now.channel_modes[c] = mode_counts[solution.channel_of_[c]];
+    now.reached = now.error <= options.tolerance;
+    const double error_before = accuracy.error;
+    if (step == 0 || now.error <= error_before) {
+      accuracy = now;
+      solution.modes_ = mode_counts;
+      solution.faint_ = faint;
+    }
+    const double seconds = seconds_since(start);
+    const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;
+    const double growth = static_cast<double>(next) / nodes;
+    if (now.reached) break;
+    if (ended != DeterministicLimit::none && ended != DeterministicLimit::modes)
+      accuracy.limit = ended;
+    else if (now.node_error <= options.tolerance / 2 &&
+             (now.second_error <= options.tolerance ||
+              is_second_integrated(now.second_error, options.tolerance)))
+      // More nodes would not help: what is left is the tail of the modes.
+      accuracy.limit = DeterministicLimit::modes;
+    else if (next > options.max_nodes)
+      accuracy.limit = DeterministicLimit::nodes;
+    else if (seconds + growth * growth * growth * (seconds - begun) > options.max_seconds)
+      accuracy.limit = DeterministicLimit::time;
+    else if (static_cast<double>(now.bytes) * growth * growth >
+             static_cast<double>(options.max_bytes))
+      accuracy.limit = DeterministicLimit::memory;
+    if (accuracy.limit != DeterministicLimit::none) break;
+    nodes = next;
+  }
+  accuracy.seconds = seconds_since(start);
+  return solution;
+}
+
+}  // namespace lamella

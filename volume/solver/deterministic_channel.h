@@ -1,0 +1,84 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "volume/adding/stack_modes.h"
+#include "volume/solver/deterministic.h"
+#include "volume/solver/mode_tail.h"
+#include "volume/solver/second_order.h"
+
+// What the solution and its fields share; not for users of volume/solver/deterministic.h.
+
+namespace lamella {
+
+/// The distinct |mu| of a list, and the place of each entry among them.
+struct Cosines {
+  std::vector<double> distinct;
+  std::vector<std::size_t> place;
+  explicit Cosines(std::span<const double> mu);
+};
+
+/// Orders 2, 3 and 4+ of one azimuthal mode. Order 2 in two parts: what SecondOrder counts, and
+/// the rest (empty matrices where there is none).
+struct OrderModes {
+  Parts second, second_rest, third, higher;
+};
+
+struct DeterministicField::Channel {
+  std::vector<OrderModes> modes;
+  Parts mean;  // of all orders
+  std::array<double, 4> faint;
+  Cosines in, out;
+  std::vector<int> sign_in, sign_out;
+  std::optional<SecondOrder> second;  // of steep media
+  // Where the modes of order 2 were integrated directly: its modes beyond `modes`, the last of them
+  // continued by their fit; how many of a pair's were integrated, their error, and what the fit's
+  // error and the modes beyond leave, absolute. Else empty.
+  std::vector<Parts> more_second;
+  Parts second_count, second_error, second_left;
+
+  [[nodiscard]] int part(std::size_t i, std::size_t o) const;
+  /// What the modes of a pair leave to those beyond, by how they fall.
+  struct Tails {
+    ModeTail second, third, others;
+  };
+  [[nodiscard]] Tails tails(int part, Eigen::Index row, Eigen::Index column) const;
+  [[nodiscard]] bool has_integrated_modes() const { return second_error[0].size() > 0; }
+  /// Replaces the modes of order 2 that `second` counts, as many as it needs. tolerance: relative
+  /// to scale.
+  void integrate_second(double tolerance);
+};
+
+/// Whether order 2 is integrated directly at every pair, given the error of its modes from the
+/// nodes: beyond six digits that is cheaper than nodes enough for its kernels.
+[[nodiscard]] inline bool is_second_integrated(double second_error, double tolerance) {
+  return tolerance < 1e-6 && second_error > tolerance / 4;
+}
+
+[[nodiscard]] int part_of(double mu_i, double mu_o);
+[[nodiscard]] const Series& part_of(const LayerOperator& op, int part);
+/// The block of a matrix between directions that were asked for.
+[[nodiscard]] Eigen::MatrixXd asked(const Eigen::MatrixXd& m, Eigen::Index nodes);
+
+/// Whether a kernel is too steep for few modes: mirror flakes, a narrow forward peak.
+[[nodiscard]] bool is_steep(const Medium& medium);
+
+/// The stack with only those events that SecondOrder counts: other layers and the substrate absorb.
+[[nodiscard]] Stack counted_by_second_order(const Stack& stack);
+
+/// Splits order 2 of a stack's modes into what SecondOrder counts and the rest.
+class SecondSplit {
+ public:
+  SecondSplit(const Stack& stack, int channel, const DirectionSets& sets);
+  /// The counted part of order 2 between directions that were asked for, if it is not all.
+  [[nodiscard]] std::optional<Parts> counted(int m);
+
+ private:
+  Stack stack_;
+  bool every_mode_, first_mode_;
+  std::optional<StackModes> modes_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,452 @@
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "phase/stack/single_scattering.h"
+#include "volume/solver/deterministic_channel.h"
+#include "volume/solver/mode_tail.h"
+
+namespace lamella {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+// Of order 2 at one pair: near straight transmission they fall algebraically. As many are
+// integrated, and as many are had with those that a fit continues.
+constexpr int kMostSecondModes = 400, kMostContinuedModes = 2400;
+
+void check_sides(const Stack& stack, std::span<const double> mu_i) {
+  if (!stack.is_open_below())
+    for (const double mu : mu_i)
+      if (mu < 0)
+        throw std::invalid_argument("light from below on a half space or an opaque substrate");
+}
+
+// What sums of modes alone owe.
+double whole(const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; }
+
+// Continues modes by their fit until those beyond leave less than `allowed`, or are too many;
+// returns what they leave.
+double continue_modes(Eigen::ArrayXd& modes, const ModeTail& tail, double allowed) {
+  if (tail.amplitude == 0) return 0;
+  double left = std::abs(tail.sum(0));
+  std::vector<double> more;
+  for (int m = tail.first; m < kMostContinuedModes && left > allowed; ++m) {
+    more.push_back(tail.at(m));
+    left = std::max(0.0, left - 2 * std::abs(more.back()));
+  }
+  const Index integrated = modes.size();
+  modes.conservativeResize(integrated + static_cast<Index>(more.size()));
+  std::copy(more.begin(), more.end(), modes.data() + integrated);
+  return left;
+}
+
+// A direction with cosine mu and azimuth phi.
+Direction at(double mu, double phi) {
+  return with_grazing_limit(direction_from_mu_phi(std::clamp(mu, -1.0, 1.0), phi));
+}
+
+}  // namespace
+
+Cosines::Cosines(std::span<const double> mu) {
+  for (const double m : mu) distinct.push_back(std::max(std::abs(m), kGrazingLimit));
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  for (const double m : mu)
+    place.push_back(
+        std::lower_bound(distinct.begin(), distinct.end(), std::max(std::abs(m), kGrazingLimit)) -
+        distinct.begin());
+}
+
+int part_of(double mu_i, double mu_o) {
+  return mu_i > 0 ? (mu_o > 0 ? kAboveToUp : kAboveToDown) : (mu_o > 0 ? kBelowToUp : kBelowToDown);
+}
+
+const Series& part_of(const LayerOperator& op, int part) {
+  switch (part) {
+    case kAboveToUp:
+      return op.above.r;
+    case kAboveToDown:
+      return op.above.t;
+    case kBelowToDown:
+      return op.below.r;
+    default:
+      return op.below.t;
+  }
+}
+
+MatrixXd asked(const MatrixXd& m, Index nodes) {
+  return m.bottomRightCorner(m.rows() - nodes, m.cols() - nodes);
+}
+
+bool is_steep(const Medium& medium) {
+  constexpr double kPeaked = 0.85;
+  if (const auto* hg = std::get_if<HenyeyGreenstein>(&medium)) return std::abs(hg->g) > kPeaked;
+  return std::holds_alternative<MirrorFlakes<Sggx>>(medium) ||
+         std::holds_alternative<MirrorFlakes<Vmf>>(medium);
+}
+
+namespace {
+
+bool is_counted(const Medium& medium) {
+  return !std::holds_alternative<LambertFlakes<Sggx>>(medium) &&
+         !std::holds_alternative<LambertFlakes<Vmf>>(medium);
+}
+
+}  // namespace
+
+Stack counted_by_second_order(const Stack& stack) {
+  Stack counted = stack;
+  for (Layer& layer : counted.layers)
+    if (!is_counted(layer.medium)) layer.albedo = Rgb(0);
+  if (counted.substrate) counted.substrate->albedo = Rgb(0);
+  return counted;
+}
+
+SecondSplit::SecondSplit(const Stack& stack, int channel, const DirectionSets& sets)
+    : stack_(counted_by_second_order(stack)),
+      every_mode_(std::any_of(
+          stack.layers.begin(), stack.layers.end(),
+          [&](const Layer& l) { return !is_counted(l.medium) && l.albedo[channel] > 0; })),
+      // A Lambertian substrate takes part in mode 0 only.
+      first_mode_(stack.substrate && stack.substrate->albedo[channel] > 0) {
+  if (every_mode_ || first_mode_) modes_.emplace(stack_, channel, sets, 2);
+}
+
+std::optional<Parts> SecondSplit::counted(int m) {
+  if (!(every_mode_ || (first_mode_ && m == 0))) return std::nullopt;
+  modes_->prepare(m + 1);
+  const LayerOperator op = modes_->mode(m);
+  Parts result;
+  for (int part = 0; part < 4; ++part)
+    result[part] = asked(part_of(op, part)[2], modes_->sets().nodes());
+  return result;
+}
+
+int DeterministicField::Channel::part(std::size_t i, std::size_t o) const {
+  return part_of(sign_in[i], sign_out[o]);
+}
+
+double DeterministicField::mode(int channel, int order, int m, std::size_t i, std::size_t o) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
+  const int part = c.part(i, o);
+  const std::size_t solved = c.modes.size();
+  if (static_cast<std::size_t>(m) >= solved)
+    return order == 1 || order > 3 ? c.more_second[m - solved][part](row, column) : 0;
+  const OrderModes& mode = c.modes[m];
+  const auto second = [&] {
+    const MatrixXd& rest = mode.second_rest[part];
+    return mode.second[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
+  };
+  switch (order) {
+    case 0:
+      return 0;
+    case 1:
+      return second();
+    case 2:
+      return mode.third[part](row, column);
+    case 3:
+      return mode.higher[part](row, column);
+    default:
+      return second() + mode.third[part](row, column) + mode.higher[part](row, column);
+  }
+}
+
+double DeterministicField::mean(int channel, std::size_t i, std::size_t o) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  return c.mean[c.part(i, o)](static_cast<Index>(c.out.place[o]),
+                              static_cast<Index>(c.in.place[i]));
+}
+
+double DeterministicField::scale(int channel, std::size_t i, std::size_t o) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  return std::max(mean(channel, i, o), c.faint[c.part(i, o)]);
+}
+
+int DeterministicField::modes(int channel) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  return static_cast<int>(c.modes.size() + c.more_second.size());
+}
+
+DeterministicValue DeterministicField::multiple(std::size_t i, std::size_t o, double x) const {
+  return evaluate(i, o, x, false);
+}
+
+DeterministicValue DeterministicField::multiple_refined(std::size_t i, std::size_t o,
+                                                        double x) const {
+  return evaluate(i, o, x, true);
+}
+
+DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, double x,
+                                                bool may_integrate) const {
+  struct Sums {
+    std::array<double, kSolvedOrders> order{};
+    double error = 0;
+    bool exact = false;
+  };
+  std::vector<Sums> sums(channels_.size());
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    const Channel& c = *channels_[k];
+    const int part = c.part(i, o);
+    const Index row = static_cast<Index>(c.out.place[o]),
+                column = static_cast<Index>(c.in.place[i]);
+    const std::size_t count = c.modes.size();
+    const double step = 2 * std::cos(x);
+    double before = step / 2, now = 1, second = 0, second_rest = 0, third = 0, higher = 0;
+    for (std::size_t m = 0; m < count; ++m) {
+      const OrderModes& mode = c.modes[m];
+      const double weight = m == 0 ? 1 : 2 * now;
+      const double s = mode.second[part](row, column), t = mode.third[part](row, column),
+                   h = mode.higher[part](row, column);
+      const double r = mode.second_rest[part].size() > 0 ? mode.second_rest[part](row, column) : 0;
+      second += weight * s;
+      second_rest += weight * r;
+      third += weight * t;
+      higher += weight * h;
+      const double next = step * now - before;
+      before = now;
+      now = next;
+    }
+    for (const Parts& more : c.more_second) {
+      second += 2 * now * more[part](row, column);
+      const double next = step * now - before;
+      before = now;
+      now = next;
+    }
+    Sums& sum = sums[k];
+    const double scale = std::max(c.mean[part](row, column), c.faint[part]);
+    const auto [second_tail, third_tail, other_tail] = c.tails(part, row, column);
+    sum.error = error_ * scale + other_tail.error;
+    const bool integrated = c.has_integrated_modes();
+    const double left_out =
+        integrated      ? c.second_error[part](row, column) + c.second_left[part](row, column)
+        : may_integrate ? second_tail.error
+                        : whole(second_tail);
+    if (may_integrate) {
+      third += third_tail.sum(x);
+      sum.error += third_tail.error;
+    } else {
+      sum.error += whole(third_tail);
+    }
+    if (may_integrate && c.second &&
+        (left_out > tolerance_ / 4 * scale || is_second_integrated(second_error_, tolerance_))) {
+      const SecondOrder::Value direct =
+          (*c.second)(at(mu_i_[i], 0), at(mu_o_[o], kPi - x), tolerance_ / 20 * scale);
+      second = direct.f;
+      sum.error += direct.error;
+      sum.exact = true;
+    } else {
+      if (may_integrate && !integrated) second += second_tail.sum(x);
+      sum.error += left_out + (c.second && !integrated ? second_error_ * scale : 0);
+    }
+    sum.order = {0, second + second_rest, third, higher, second + second_rest + third + higher};
+  }
+  DeterministicValue value;
+  for (int channel = 0; channel < 3; ++channel) {
+    const Sums& sum = sums[channel_of_[channel]];
+    for (int order = 1; order < kSolvedOrders; ++order)
+      value.order[order][channel] = sum.order[order];
+    value.error[channel] = sum.error;
+    value.exact_second |= sum.exact;
+  }
+  return value;
+}
+
+double DeterministicField::error_of_mean(int channel, std::size_t i, std::size_t o,
+                                         double width) const {
+  const Channel& c = *channels_[channel_of_[channel]];
+  const int part = c.part(i, o);
+  const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
+  const double scale = std::max(c.mean[part](row, column), c.faint[part]);
+  const auto [second, third, others] = c.tails(part, row, column);
+  const double solved = share_in_mean(static_cast<double>(c.modes.size()), width);
+  double error = error_ * scale + solved * (whole(third) + others.error);
+  if (c.has_integrated_modes())
+    error +=
+        c.second_error[part](row, column) +
+        share_in_mean(c.second_count[part](row, column), width) * c.second_left[part](row, column);
+  else
+    error += solved * whole(second) + (c.second ? second_error_ * scale : 0);
+  return error;
+}
+
+DeterministicField::Channel::Tails DeterministicField::Channel::tails(int part, Index row,
+                                                                      Index column) const {
+  const std::size_t count = modes.size();
+  std::vector<double> seconds(count), thirds(count), others(count);
+  for (std::size_t m = 0; m < count; ++m) {
+    const OrderModes& mode = modes[m];
+    const MatrixXd& rest = mode.second_rest[part];
+    seconds[m] = mode.second[part](row, column);
+    thirds[m] = mode.third[part](row, column);
+    others[m] = mode.higher[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
+  }
+  return {fit_mode_tail(seconds), fit_mode_tail(thirds), fit_mode_tail(others)};
+}
+
+void DeterministicField::Channel::integrate_second(double tolerance) {
+  const Index rows = static_cast<Index>(out.distinct.size()),
+              columns = static_cast<Index>(in.distinct.size());
+  for (Parts* parts : {&second_count, &second_error, &second_left})
+    parts->fill(MatrixXd::Zero(rows, columns));
+  struct CosinePair {
+    Index row, column;
+    double mu_i, mu_o;
+    auto operator<=>(const CosinePair&) const = default;  // NOLINT(modernize-use-nullptr): its 0
+  };
+  std::vector<CosinePair> pairs;
+  for (std::size_t i = 0; i < in.place.size(); ++i)
+    for (std::size_t o = 0; o < out.place.size(); ++o)
+      pairs.push_back({static_cast<Index>(out.place[o]), static_cast<Index>(in.place[i]),
+                       sign_in[i] * in.distinct[in.place[i]],
+                       sign_out[o] * out.distinct[out.place[o]]});
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Eigen::ArrayXd> found(pairs.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
+    const auto& [row, column, mu_i, mu_o] = pairs[k];
+    const int part = part_of(mu_i, mu_o);
+    const double allowed = tolerance * std::max(mean[part](row, column), faint[part]);
+    for (int count = static_cast<int>(modes.size());; count += count / 2) {
+      SecondOrder::Modes integrated = second->modes(mu_i, mu_o, count, allowed / 4);
+      const ModeTail tail = fit_mode_tail({integrated.f.data(), static_cast<std::size_t>(count)});
+      const double left_out = tail.error + continue_modes(integrated.f, tail, allowed / 4);
+      found[k] = std::move(integrated.f);
+      second_count[part](row, column) = count;
+      second_error[part](row, column) = integrated.error;
+      second_left[part](row, column) = left_out;
+      if (left_out <= allowed || count >= kMostSecondModes) break;
+    }
+  });
+  const std::size_t solved = modes.size();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto& [row, column, mu_i, mu_o] = pairs[k];
+    const int part = part_of(mu_i, mu_o);
+    for (std::size_t m = 0; m < static_cast<std::size_t>(found[k].size()); ++m) {
+      if (m >= solved + more_second.size()) {
+        more_second.emplace_back();
+        more_second.back().fill(MatrixXd::Zero(rows, columns));
+      }
+      (m < solved ? modes[m].second : more_second[m - solved])[part](row, column) =
+          found[k][static_cast<Index>(m)];
+    }
+  }
+}
+
+bool DeterministicSolution::integrates_second() const {
+  return steep_ && is_second_integrated(accuracy_.second_error, tolerance_);
+}
+
+DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
+                                                std::span<const double> mu_o,
+                                                bool second_integrated) const {
+  check_sides(stack_, mu_i);
+  DeterministicField field;
+  field.channel_of_ = channel_of_;
+  field.mu_i_.assign(mu_i.begin(), mu_i.end());
+  field.mu_o_.assign(mu_o.begin(), mu_o.end());
+  field.tolerance_ = tolerance_;
+  field.error_ = accuracy_.node_error;
+  field.second_error_ = accuracy_.second_error;
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    auto channel = std::make_shared<DeterministicField::Channel>(DeterministicField::Channel{
+        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt, {}, {}, {}, {}});
+    for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
+    for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
+    const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
+                             grazing_map(stack_));
+    const Index nodes = sets.nodes();
+    StackModes modes(stack_, channels_[k], sets, 3);
+    std::optional<SecondSplit> split;
+    if (steep_) {
+      channel->second.emplace(stack_, channels_[k]);
+      split.emplace(stack_, channels_[k], sets);
+    }
+    modes.prepare(modes_[k]);
+    channel->modes.resize(modes_[k]);
+    oneapi::tbb::parallel_for(0, modes_[k], [&](int m) {
+      const LayerOperator op = modes.mode(m);
+      OrderModes& orders = channel->modes[m];
+      for (int part = 0; part < 4; ++part) {
+        const Series& s = part_of(op, part);
+        orders.second[part] = asked(s[2], nodes);
+        orders.third[part] = asked(s[3], nodes);
+        orders.higher[part] = asked(s[0] - s[1] - s[2] - s[3], nodes);
+        if (m == 0) channel->mean[part] = asked(s[0], nodes);
+      }
+    });
+    if (split)
+      for (int m = 0; m < modes_[k]; ++m)
+        if (std::optional<Parts> counted = split->counted(m))
+          for (int part = 0; part < 4; ++part) {
+            OrderModes& orders = channel->modes[m];
+            orders.second_rest[part] = orders.second[part] - (*counted)[part];
+            orders.second[part] = std::move((*counted)[part]);
+          }
+    if (second_integrated && integrates_second()) channel->integrate_second(tolerance_ / 5);
+    field.channels_.push_back(std::move(channel));
+  }
+  return field;
+}
+
+DeterministicValue DeterministicSolution::f(Direction wi, Direction wo) const {
+  if (wi.z == 0 && wo.z == 0)
+    throw std::invalid_argument("both directions graze: f has no limit there");
+  wi = with_grazing_limit(wi);
+  wo = with_grazing_limit(wo);
+  const double mu_i[] = {wi.z}, mu_o[] = {wo.z};
+  const double phi = std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
+  DeterministicValue value = field(mu_i, mu_o).multiple_refined(0, 0, kPi - phi);
+  const SingleScattering single = single_scattering(stack_, wi, wo);
+  value.order[0] = single.layers + single.substrate;
+  value.order[4] += value.order[0];
+  return value;
+}
+
+std::vector<DeterministicEnergies> DeterministicSolution::energies(
+    std::span<const double> mu_i) const {
+  check_sides(stack_, mu_i);
+  std::vector<DeterministicEnergies> result(mu_i.size());
+  const Cosines in(mu_i);
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    StackModes modes(stack_, channels_[k],
+                     DirectionSets(accuracy_.nodes, {}, in.distinct, grazing_map(stack_)), 3);
+    modes.prepare(1);
+    const LayerOperator op = modes.mode(0);
+    const Index nodes = modes.sets().nodes();
+    const Eigen::VectorXd& flux = modes.sets().flux;
+    for (std::size_t i = 0; i < mu_i.size(); ++i) {
+      const OperatorSide& side = mu_i[i] < 0 ? op.below : op.above;
+      const Index column = nodes + static_cast<Index>(in.place[i]);
+      const auto energy = [&](const Series& series, int order) {
+        return flux.dot(series[order].col(column).head(nodes));
+      };
+      const auto split = [&](const Series& series) {
+        std::array<double, kSolvedOrders> e{energy(series, 1), energy(series, 2), energy(series, 3),
+                                            0, energy(series, 0)};
+        e[3] = e[4] - e[0] - e[1] - e[2];
+        return e;
+      };
+      const auto reflected = split(side.r), transmitted = split(side.t);
+      for (int channel = 0; channel < 3; ++channel) {
+        if (channel_of_[channel] != static_cast<int>(k)) continue;
+        DeterministicEnergies& e = result[i];
+        for (int order = 0; order < kSolvedOrders; ++order) {
+          e.reflected[order][channel] = reflected[order];
+          if (stack_.is_open_below()) e.transmitted[order][channel] = transmitted[order];
+          if (stack_.is_half_space()) e.escaped[order][channel] = transmitted[order];
+        }
+        e.uncollided[channel] = side.direct_in[column];
+        e.absorbed[channel] = side.absorbed[column];
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace lamella

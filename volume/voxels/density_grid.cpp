@@ -1,0 +1,322 @@
+#include "volume/voxels/density_grid.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "volume/voxels/grid_generators.h"
+#include "volume/voxels/vdb_file.h"
+
+namespace lamella {
+namespace {
+
+constexpr int kPaletteSize = 256;
+
+[[noreturn]] void refuse(const Layer& layer, const std::string& found, const std::string& allowed) {
+  throw std::invalid_argument(fmt::format("{}: key \"grid\": {}: {}; allowed: {}",
+                                          layer.grid->where, layer.grid->file, found, allowed));
+}
+
+// The layer's medium with some of its parameters replaced.
+Medium remade(const Layer& layer, std::optional<double> roughness, bool axis_along_z) {
+  Parameters p = layer.parameters;
+  if (roughness) p.set("roughness", *roughness);
+  if (axis_along_z) p.set("axis", std::vector<double>{0, 0, 1});
+  return find_medium(layer.medium_name)->make(p);
+}
+
+bool is_particle(const Layer& layer) {
+  return std::holds_alternative<LambertSphere>(layer.medium) ||
+         std::holds_alternative<HenyeyGreenstein>(layer.medium);
+}
+
+// The smallest cone about the two cones' middles that is easy to find: about their sum.
+DensityGrid::Cone joined(const DensityGrid::Cone& a, DensityGrid::Cone b, bool two_sided) {
+  if (two_sided && a.x * b.x + a.y * b.y + a.z * b.z < 0) b = {-b.x, -b.y, -b.z, b.cosine, b.sine};
+  const Direction sum{double(a.x) + b.x, double(a.y) + b.y, double(a.z) + b.z};
+  if (dot(sum, sum) < 1e-6) return {a.x, a.y, a.z, -1, 0};  // all directions
+  const Direction middle = normalized(sum);
+  double widest = 0;
+  for (const DensityGrid::Cone& c : {a, b}) {
+    const Direction axis = normalized(Direction{c.x, c.y, c.z});
+    const double apart = std::atan2(length(cross(middle, axis)), dot(middle, axis));
+    widest = std::max(widest, apart + std::atan2(c.sine, c.cosine));
+  }
+  widest = std::min(kPi, widest + 1e-6);  // the rounding of float
+  return {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z),
+          static_cast<float>(std::cos(widest)), static_cast<float>(std::sin(widest))};
+}
+
+}  // namespace
+
+DensityGrid::DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxels,
+                         MajorantCells cells)
+    : voxels_(std::move(voxels)), extent_(voxels_->extent()), layer_density_(layer.density) {
+  const VoxelIndex n = extent_.voxels;
+  voxel_size_ = {layer.grid->size_x / n[0], layer.grid->size_y / n[1], layer.thickness / n[2]};
+  if (voxels_->albedo && !layer.grid->white) {
+    for_each_voxel(extent_, [&](VoxelIndex i) {
+      const auto a = voxels_->albedo->at(i);
+      albedo_ = albedo_ || a != std::array<float, 3>{1, 1, 1};
+      grey_ = grey_ && a[0] == a[1] && a[1] == a[2];
+    });
+  }
+  make_axes(layer);
+  make_palette(layer);
+  make_cells(cells);
+}
+
+void DensityGrid::make_axes(const Layer& layer) {
+  if (!voxels_->orientation || is_particle(layer)) return;  // particles have no axis
+  if (!layer.parameters.has("axis"))
+    refuse(layer, "found a grid \"orientation\", but the medium is given by a matrix",
+           "shape, roughness and axis, or no such grid");
+  const Direction own = layer.parameters.vector("axis");
+  axis_.emplace(extent_);
+  axis_->fill({0, 0, 0}, extent_.voxels,
+              {static_cast<float>(own.x), static_cast<float>(own.y), static_cast<float>(own.z)});
+  for_each_voxel(extent_, [&](VoxelIndex i) {
+    const auto& given = voxels_->orientation->at(i);
+    const double largest = std::max({std::abs(given[0]), std::abs(given[1]), std::abs(given[2])});
+    if (largest == 0) return;
+    const Direction v =
+        normalized(Direction{given[0] / largest, given[1] / largest, given[2] / largest});
+    axis_->set(i, {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+  });
+}
+
+void DensityGrid::make_palette(const Layer& layer) {
+  if (voxels_->roughness) {
+    if (!layer.parameters.has("roughness"))
+      refuse(layer, "found a grid \"roughness\", but the medium is not given by its roughness",
+             "an sggx or vmf_flake layer with the key roughness, or no such grid");
+    const double own = layer.parameters.number("roughness");
+    const ParameterInfo& range = *find(find_medium(layer.medium_name)->parameters, "roughness");
+    std::set<double> found;
+    const auto roughness_of = [&](VoxelIndex i) {
+      const float given = voxels_->roughness->at(i)[0];
+      return given > 0 ? std::max<double>(given, range.min) : own;
+    };
+    for_each_voxel(extent_, [&](VoxelIndex i) {
+      if (density(i) > 0) found.insert(roughness_of(i));
+    });
+    if (found.empty()) found.insert(own);
+    // Each value for itself if they are few, else levels at equal steps.
+    const double low = *found.begin(), high = *found.rbegin();
+    std::vector<double> levels(found.begin(), found.end());
+    if (levels.size() > kPaletteSize) {
+      levels.clear();
+      for (int k = 0; k < kPaletteSize; ++k)
+        levels.push_back(low + (high - low) * k / (kPaletteSize - 1));
+      roughness_error_ = (high - low) / (2 * (kPaletteSize - 1));
+    }
+    for (const double r : levels) palette_.push_back(remade(layer, r, has_orientation()));
+    index_.emplace(extent_);
+    for_each_voxel(extent_, [&](VoxelIndex i) {
+      if (!(density(i) > 0)) return;
+      const double r = roughness_of(i);
+      auto above = std::lower_bound(levels.begin(), levels.end(), r);
+      if (above == levels.end()) --above;
+      if (above != levels.begin() && r - *(above - 1) < *above - r) --above;
+      index_->set(i, {static_cast<float>(above - levels.begin())});
+    });
+  } else {
+    palette_.push_back(has_orientation() ? remade(layer, std::nullopt, true) : layer.medium);
+  }
+  const Medium& medium = palette_.back();
+  const bool one_sided = std::holds_alternative<MirrorFlakes<Vmf>>(medium) ||
+                         std::holds_alternative<LambertFlakes<Vmf>>(medium);
+  two_sided_ = !one_sided;
+  // sigma falls or rises all the way from the axis to the equator (SGGX), or to the other pole
+  // (vMF); SGGX's rises with the roughness everywhere, so that the roughest of a cell bounds it.
+  largest_along_axis_ = lamella::sigma(medium, {0, 0, 1}) >= lamella::sigma(medium, {1, 0, 0});
+  // vMF's sigma is not monotone in the roughness; it never exceeds 1.
+  if (one_sided && has_roughness()) bound_everywhere_ = 1;
+}
+
+void DensityGrid::make_cells(MajorantCells kind) {
+  const VoxelIndex blocks = extent_.blocks(), n = extent_.voxels;
+  cells_.resize(extent_.block_count());
+  if (axis_) cones_.resize(cells_.size());
+  const bool with_cones = axis_.has_value();
+
+  // Bounds of the blocks themselves. Empty voxels bound nothing.
+  std::vector<bool> cone_set(with_cones ? cells_.size() : 0);
+  const auto join = [&](std::size_t into, const Cone& cone) {
+    cones_[into] = cone_set[into] ? joined(cones_[into], cone, two_sided_) : cone;
+    cone_set[into] = true;
+  };
+  VoxelIndex b;
+  for (b[2] = 0; b[2] < blocks[2]; ++b[2])
+    for (b[1] = 0; b[1] < blocks[1]; ++b[1])
+      for (b[0] = 0; b[0] < blocks[0]; ++b[0]) {
+        VoxelIndex lo, hi, i;
+        for (int a = 0; a < 3; ++a) {
+          lo[a] = b[a] * kBlockVoxels;
+          hi[a] = std::min(lo[a] + kBlockVoxels, n[a]);
+        }
+        const std::size_t block = extent_.block_of(lo);
+        Cell& cell = cells_[block];
+        if (voxels_->density.is_uniform(lo) && !is_local()) {
+          cell.density = voxels_->density.at(lo)[0];
+          continue;
+        }
+        Direction sum{0, 0, 0};
+        Direction reference{0, 0, 0};
+        for (i[2] = lo[2]; i[2] < hi[2]; ++i[2])
+          for (i[1] = lo[1]; i[1] < hi[1]; ++i[1])
+            for (i[0] = lo[0]; i[0] < hi[0]; ++i[0]) {
+              const float rho = voxels_->density.at(i)[0];
+              if (!(rho > 0)) continue;
+              cell.density = std::max(cell.density, rho);
+              cell.roughest = std::max(cell.roughest, static_cast<std::uint8_t>(palette_index(i)));
+              if (!with_cones) continue;
+              Direction a = axis(i);
+              if (dot(reference, reference) == 0) reference = a;
+              if (two_sided_ && dot(a, reference) < 0) a = -a;
+              sum = sum + a;
+            }
+        if (!with_cones || !(cell.density > 0)) continue;
+        Cone cone{0, 0, 1, -1, 0};
+        if (dot(sum, sum) > 1e-6) {
+          const Direction middle = normalized(sum);
+          double widest = 0;
+          for (i[2] = lo[2]; i[2] < hi[2]; ++i[2])
+            for (i[1] = lo[1]; i[1] < hi[1]; ++i[1])
+              for (i[0] = lo[0]; i[0] < hi[0]; ++i[0]) {
+                if (!(density(i) > 0)) continue;
+                const Direction a = axis(i);
+                double c = dot(a, middle);
+                if (two_sided_) c = std::abs(c);
+                widest = std::max(widest, std::atan2(length(cross(a, middle)), c));
+              }
+          widest = std::min(kPi, widest + 1e-6);
+          cone = {static_cast<float>(middle.x), static_cast<float>(middle.y),
+                  static_cast<float>(middle.z), static_cast<float>(std::cos(widest)),
+                  static_cast<float>(std::sin(widest))};
+        }
+        join(block, cone);
+      }
+  if (kind == MajorantCells::blocks) return;
+
+  // Merged from below: a cell of level k is taken whole if crossing it then costs no more than
+  // crossing its parts. Per mm of a way, a cell costs its boundaries, 1.5 per edge for a cube, and
+  // its tentative collisions.
+  constexpr double kStep =
+      0.4;  // of a boundary, in tentative collisions: a guess that only speed knows
+  int top = 0;
+  while ((1 << top) < std::max({blocks[0], blocks[1], blocks[2]})) ++top;
+  const double edge[3] = {voxel_size_.x, voxel_size_.y, voxel_size_.z};
+  std::vector<double> cost(cells_.size());  // of the best cut of the cell whose first block it is
+  for (int level = 0; level <= top; ++level) {
+    const int size = 1 << level;
+    for (b[2] = 0; b[2] < blocks[2]; b[2] += size)
+      for (b[1] = 0; b[1] < blocks[1]; b[1] += size)
+        for (b[0] = 0; b[0] < blocks[0]; b[0] += size) {
+          VoxelIndex end, i;
+          double volume = 1, boundaries = 0;
+          VoxelIndex first;
+          for (int a = 0; a < 3; ++a) {
+            end[a] = std::min(b[a] + size, blocks[a]);
+            first[a] = b[a] * kBlockVoxels;
+            const double l = edge[a] * (std::min(end[a] * kBlockVoxels, n[a]) - first[a]);
+            volume *= l;
+            // A cell as wide as the tile has no sides.
+            if (a == 2 || b[a] > 0 || end[a] < blocks[a]) boundaries += 0.5 / l;
+          }
+          const std::size_t home = extent_.block_of(first);
+          Cell whole{0, static_cast<std::uint8_t>(level), 0};
+          double parts = 0;
+          const int half = std::max(1, size / 2);
+          const auto block_at = [&](VoxelIndex k) {
+            return extent_.block_of(
+                {k[0] * kBlockVoxels, k[1] * kBlockVoxels, k[2] * kBlockVoxels});
+          };
+          for (i[2] = b[2]; i[2] < end[2]; i[2] += half)
+            for (i[1] = b[1]; i[1] < end[1]; i[1] += half)
+              for (i[0] = b[0]; i[0] < end[0]; i[0] += half) parts += cost[block_at(i)];
+          for (i[2] = b[2]; i[2] < end[2]; ++i[2])
+            for (i[1] = b[1]; i[1] < end[1]; ++i[1])
+              for (i[0] = b[0]; i[0] < end[0]; ++i[0]) {
+                const Cell& c = cells_[block_at(i)];
+                whole.density = std::max(whole.density, c.density);
+                whole.roughest = std::max(whole.roughest, c.roughest);
+              }
+          const double own = volume * (kStep * boundaries + layer_density_ * whole.density);
+          if (level == 0) {
+            cost[home] = own;
+            continue;
+          }
+          const bool merge = kind == MajorantCells::global ? level == top : own <= parts;
+          cost[home] = merge ? own : parts;
+          if (!merge) continue;
+          Cone cone;
+          bool any = false;
+          if (with_cones)
+            for (i[2] = b[2]; i[2] < end[2]; ++i[2])
+              for (i[1] = b[1]; i[1] < end[1]; ++i[1])
+                for (i[0] = b[0]; i[0] < end[0]; ++i[0]) {
+                  const std::size_t k = block_at(i);
+                  if (!cone_set[k]) continue;
+                  cone = any ? joined(cone, cones_[k], two_sided_) : cones_[k];
+                  any = true;
+                }
+          for (i[2] = b[2]; i[2] < end[2]; ++i[2])
+            for (i[1] = b[1]; i[1] < end[1]; ++i[1])
+              for (i[0] = b[0]; i[0] < end[0]; ++i[0]) {
+                const std::size_t k = block_at(i);
+                cells_[k] = whole;
+                if (with_cones) {
+                  cones_[k] = cone;
+                  cone_set[k] = any;
+                }
+              }
+        }
+  }
+}
+
+DensityGrid::CellCount DensityGrid::count_cells() const {
+  CellCount count;
+  const VoxelIndex blocks = extent_.blocks();
+  VoxelIndex b;
+  for (b[2] = 0; b[2] < blocks[2]; ++b[2])
+    for (b[1] = 0; b[1] < blocks[1]; ++b[1])
+      for (b[0] = 0; b[0] < blocks[0]; ++b[0]) {
+        const Cell& c = cell({b[0] * kBlockVoxels, b[1] * kBlockVoxels, b[2] * kBlockVoxels});
+        const int mask = (1 << c.level) - 1;
+        ++count.blocks;
+        count.empty_blocks += c.density == 0;
+        count.cells += ((b[0] | b[1] | b[2]) & mask) == 0;
+      }
+  return count;
+}
+
+std::vector<std::shared_ptr<const DensityGrid>> load_grids(const Stack& stack,
+                                                           MajorantCells cells) {
+  std::vector<std::shared_ptr<const DensityGrid>> grids(stack.layers.size());
+  std::map<std::string, std::shared_ptr<const Voxels>> files;
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) {
+    const Layer& layer = stack.layers[k];
+    if (!layer.grid || !(layer.depth() > 0)) continue;
+    const GridReference& grid = *layer.grid;
+    auto& voxels = files[grid.file];
+    try {
+      if (!voxels) {
+        if (const auto name = builtin_grid_name(grid.file))
+          voxels = std::make_shared<Voxels>(make_builtin_grid(*name));
+        else
+          voxels = std::make_shared<Voxels>(
+              read_vdb((std::filesystem::path(grid.folder) / grid.file).string()));
+      }
+    } catch (const std::exception& error) {
+      throw std::invalid_argument(fmt::format("{}: key \"grid\": {}", grid.where, error.what()));
+    }
+    grids[k] = std::make_shared<DensityGrid>(layer, voxels, cells);
+  }
+  return grids;
+}
+
+}  // namespace lamella

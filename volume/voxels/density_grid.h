@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "phase/stack/stack.h"
+#include "volume/voxels/voxels.h"
+
+namespace lamella {
+
+/// How the space of a grid is cut into cells of one majorant each.
+enum class MajorantCells {
+  adaptive,  ///< blocks, merged in powers of two where that saves time
+  blocks,    ///< every block for itself
+  global     ///< one cell for all: the textbook's delta tracking
+};
+
+/// A layer's density grid, ready for walks: voxels, the media they hold, and upper bounds of what
+/// the light meets. Position in voxels: x, y in [0, n), periodic; z in [0, n), upwards. What a
+/// light that arrives from w meets in voxel i is layer density * density(i) * sigma_i(w) [1/mm].
+class DensityGrid {
+ public:
+  /// A cell of one majorant: the blocks of 2^level along each axis that are aligned with it.
+  struct Cell {
+    float density = 0;          ///< largest of its voxels
+    std::uint8_t level = 0;     ///< the same for all blocks of the cell
+    std::uint8_t roughest = 0;  ///< largest palette index of its voxels
+  };
+  /// Axes of a cell's flakes: a cone of directions (for two-sided media of lines).
+  struct Cone {
+    float x = 0, y = 0, z = 1, cosine = 1, sine = 0;
+  };
+
+  /// The layer must have a grid reference. Throws std::invalid_argument, file and key named, if the
+  /// medium cannot take what the voxels vary (an orientation without an axis, ...).
+  DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxels,
+              MajorantCells cells = MajorantCells::adaptive);
+
+  [[nodiscard]] const Voxels& voxels() const { return *voxels_; }
+  [[nodiscard]] const std::shared_ptr<const Voxels>& shared_voxels() const { return voxels_; }
+  [[nodiscard]] const VoxelExtent& extent() const { return extent_; }
+  /// Edges of a voxel [mm].
+  [[nodiscard]] Direction voxel_size() const { return voxel_size_; }
+  [[nodiscard]] double layer_density() const { return layer_density_; }
+
+  /// The media of the voxels, all of the same kind: one, or one per roughness, in rising order.
+  /// With an orientation grid, their axis is z and the voxel's frame turns them.
+  [[nodiscard]] const std::vector<Medium>& palette() const { return palette_; }
+  [[nodiscard]] bool has_orientation() const { return axis_.has_value(); }
+  [[nodiscard]] bool has_roughness() const { return index_.has_value(); }
+  /// Whether sigma depends on the voxel.
+  [[nodiscard]] bool is_local() const { return has_orientation() || has_roughness(); }
+  /// Largest difference of a voxel's roughness from the palette's.
+  [[nodiscard]] double roughness_error() const { return roughness_error_; }
+  /// Whether the albedo grid (none, or left out: white) differs between the channels, or at all.
+  [[nodiscard]] bool has_albedo() const { return albedo_; }
+  [[nodiscard]] bool is_grey() const { return grey_; }
+
+  [[nodiscard]] double density(VoxelIndex i) const { return voxels_->density.at(i)[0]; }
+  [[nodiscard]] int palette_index(VoxelIndex i) const {
+    return index_ ? static_cast<int>(index_->at(i)[0]) : 0;
+  }
+  /// Unit up to the rounding of float; only with an orientation grid.
+  [[nodiscard]] Direction axis(VoxelIndex i) const {
+    const auto& a = axis_->at(i);
+    return {a[0], a[1], a[2]};
+  }
+  [[nodiscard]] std::array<float, 3> albedo(VoxelIndex i) const { return voxels_->albedo->at(i); }
+
+  [[nodiscard]] const Cell& cell(VoxelIndex i) const { return cells_[extent_.block_of(i)]; }
+
+  /// sigma_i(w). M: the kind of the palette's media.
+  template <class M>
+  [[nodiscard]] double sigma(VoxelIndex i, Direction w) const {
+    const M& medium = *std::get_if<M>(&palette_[palette_index(i)]);
+    return axis_ ? sigma_of_cosine(medium, dot(axis(i), w)) : medium.sigma(w);
+  }
+
+  /// An upper bound of sigma_j(w) over the voxels j of the cell that voxel i lies in; exact where
+  /// the medium does not vary. Fibers along one yarn bound each other closely, crossing ones do
+  /// not.
+  template <class M>
+  [[nodiscard]] double sigma_bound(VoxelIndex i, const Cell& cell, Direction w) const {
+    if (bound_everywhere_ > 0) return bound_everywhere_;
+    const M& medium = *std::get_if<M>(&palette_[cell.roughest]);
+    if (!axis_) return medium.sigma(w);
+    const Cone& cone = cones_[extent_.block_of(i)];
+    const double c = cone.x * w.x + cone.y * w.y + cone.z * w.z;
+    return sigma_of_cosine(medium, extreme_cosine(c, cone)) * (1 + 1e-6);
+  }
+
+  /// What the cells amount to: for `lamella explain` and the bench.
+  struct CellCount {
+    std::size_t blocks = 0, cells = 0, empty_blocks = 0;
+  };
+  [[nodiscard]] CellCount count_cells() const;
+
+ private:
+  void make_palette(const Layer& layer);
+  void make_axes(const Layer& layer);
+  void make_cells(MajorantCells kind);
+
+  // sigma of a medium whose axis makes this cosine with w.
+  template <class M>
+  [[nodiscard]] static double sigma_of_cosine(const M& medium, double c) {
+    c = std::fmin(1, std::fmax(-1, c));
+    return medium.sigma({std::sqrt((1 - c) * (1 + c)), 0, c});
+  }
+
+  // The cosine between w and an axis of the cone at which sigma is largest; c: with its middle.
+  [[nodiscard]] double extreme_cosine(double c, const Cone& cone) const {
+    if (two_sided_) c = std::fabs(c);
+    c = std::fmin(1, std::fmax(-1, c));
+    const double s = std::sqrt((1 - c) * (1 + c));
+    if (largest_along_axis_)  // the axis nearest to w
+      return c >= cone.cosine ? 1 : c * cone.cosine + s * cone.sine;
+    // The axis farthest from w, at most at right angles; wider cones hold one.
+    if (cone.cosine <= 0) return 0;
+    return std::fmax(0, c * cone.cosine - s * cone.sine);
+  }
+
+  std::shared_ptr<const Voxels> voxels_;
+  VoxelExtent extent_;
+  Direction voxel_size_;
+  double layer_density_;
+  std::vector<Medium> palette_;
+  std::optional<VoxelField<3>> axis_;
+  std::optional<VoxelField<1>> index_;  // of the palette
+  double roughness_error_ = 0;
+  bool albedo_ = false, grey_ = true;
+  bool two_sided_ = true, largest_along_axis_ = true;
+  double bound_everywhere_ = 0;  // a bound of sigma for every direction, if it is the best there is
+  std::vector<Cell> cells_;      // per block
+  std::vector<Cone> cones_;
+};
+
+/// The grids of a stack, one per layer, nullptr where there is none: read from their files or
+/// generated. Throws std::invalid_argument, file, line and key named.
+[[nodiscard]] std::vector<std::shared_ptr<const DensityGrid>> load_grids(
+    const Stack& stack, MajorantCells cells = MajorantCells::adaptive);
+
+}  // namespace lamella

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "phase/math/vec3.h"
+#include "volume/voxels/voxels.h"
+
+namespace lamella {
+
+/// A grid file that cannot be taken: what was found in it, and what is allowed.
+struct GridFileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Whether this build reads and writes .vdb files (CMake option LAMELLA_OPENVDB).
+[[nodiscard]] bool has_openvdb();
+/// Version of OpenVDB that the program was built with; empty without it.
+[[nodiscard]] std::string openvdb_version();
+
+/// Reads a .vdb file: float grid "density" (a fog volume, >= 0), and if they are there
+/// "orientation" and "albedo" (three floats; albedo in [0, 1]) and "roughness" (float, in (0, 1]).
+/// Voxels are those of the bounding box of the active density voxels, or of the box that write_vdb
+/// noted down; the file's transform may scale and translate, and is not looked at beyond that, as
+/// the stack gives the size. Inactive voxels have density 0 and the layer's own properties. z
+/// points up. Throws GridFileError with what was found and what is allowed, grid and voxel named.
+[[nodiscard]] Voxels read_vdb(const std::string& path);
+
+/// Writes the voxels, edges of `voxel_size` [mm], as a .vdb file that read_vdb reads back the same.
+/// Throws GridFileError.
+void write_vdb(const std::string& path, const Voxels& voxels, Vec3<double> voxel_size);
+
+/// What a bed of overlapping equal spheres measures as a level set.
+struct LevelSetMeasure {
+  double volume_fraction = 0;  ///< of the box that is inside a sphere
+  double area_density = 0;     ///< surface of the union per volume of the box [1/mm]
+};
+
+/// Rasterises spheres of one radius [mm] with OpenVDB's ParticlesToLevelSet on cubic voxels of edge
+/// `voxel` [mm] and measures them in the box [0, size): volume by the share of each voxel that the
+/// signed distance leaves inside, area by the gradient of that share. Both blur the surface by a
+/// standard deviation of 0.54 voxels, an error of the second order in it for smooth surfaces.
+/// `centres` [mm]: of all spheres that reach the box, images of periodic neighbours among them.
+/// Throws GridFileError in a build without OpenVDB.
+[[nodiscard]] LevelSetMeasure measure_level_set(std::span<const Vec3<double>> centres,
+                                                double radius, double voxel, Vec3<double> size);
+
+}  // namespace lamella

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "volume/result/tally.h"
+
+namespace lamella {
+
+/// What a walk still carries of its light, per channel (C of them), and what becomes of the rest.
+template <int C>
+struct PathWeight {
+  std::array<double, C> value;
+
+  PathWeight() { value.fill(1); }
+
+  /// Gives all of it to an entry of the ledger.
+  void add_to(std::array<double, 3>& sums) const {
+    for (int c = 0; c < C; ++c) sums[c] += value[c];
+  }
+
+  /// Takes the share `kept` of each channel on from an event of that order; false if the walk ends
+  /// there. What is not kept is absorbed; from the fourth event on, where the tally no longer tells
+  /// orders apart, the walk survives with the largest channel's share only. Either way a walk's
+  /// ledger sums to 1. Shares above 1 (a sampled weight) are taken as they are.
+  template <class Stream>
+  [[nodiscard]] bool survives(const std::array<double, C>& kept, std::uint64_t order,
+                              EnergySums& energy, Stream& stream) {
+    std::array<double, C> on;
+    double before = 0, after = 0;
+    for (int c = 0; c < C; ++c) {
+      on[c] = value[c] * kept[c];
+      before = std::max(before, value[c]);
+      after = std::max(after, on[c]);
+    }
+    if (after < before && (order >= kTallyOrders || after == 0)) {
+      if (stream.uniform() * before >= after) {
+        add_to(energy.absorbed);
+        return false;
+      }
+      if constexpr (C == 1) return true;  // with the weight it had
+      for (int c = 0; c < C; ++c) on[c] *= before / after;
+    }
+    for (int c = 0; c < C; ++c) {
+      energy.absorbed[c] += value[c] - on[c];
+      value[c] = on[c];
+    }
+    return true;
+  }
+
+  /// Thins (volume/plan/thinning.h): false if the walk ends there, else it counts double. The
+  /// ledger keeps what that takes and gives, and sums to 1 still.
+  template <class Stream>
+  [[nodiscard]] bool is_spared(EnergySums& energy, Stream& stream) {
+    if (stream.uniform() < 0.5) {
+      add_to(energy.thinned);
+      return false;
+    }
+    for (int c = 0; c < C; ++c) {
+      energy.thinned[c] -= value[c];
+      value[c] *= 2;
+    }
+    return true;
+  }
+};
+
+}  // namespace lamella
