@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "analytic/layered/single_scattering_model.h"
+#include "phase/medium/media.h"
 
 namespace lamella {
 namespace {

@@ -15,6 +15,7 @@
 #include "compare/request/substrate_model.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/point_truth.h"
+#include "phase/medium/media.h"
 #include "phase/stack/builtin_stacks.h"
 
 namespace lamella {

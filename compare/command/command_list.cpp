@@ -5,6 +5,7 @@
 #include "compare/report/json_report.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/pilot.h"
+#include "phase/medium/media.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/plan/plan.h"

@@ -10,15 +10,33 @@ namespace lamella {
 ///   sigma(w) = integral of D(m) <w, m> dm; density_of(h): D at h / |h|, h not necessarily unit.
 ///   visible_normal(wi, stream): normal with density D(m) <w_i, m> / sigma(w_i).
 ///   diffuse_phase(wi, wo): integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)).
+///   mirror_phase(wi, wo): D(h) / (4 sigma(w_i)); largest_mirror_phase(): its upper bound.
+///   mean_normal(): integral of m D(m) dm. is_two_sided(): D(m) = D(-m).
 template <class N>
-concept NormalDistribution = requires(const N ndf, Direction w, RandomStream& stream) {
+concept NormalDistribution = std::equality_comparable<N> &&
+    requires(const N ndf, Direction w, RandomStream& stream) {
   { ndf.sigma(w) } -> std::same_as<double>;
   { ndf.density_of(w) } -> std::same_as<double>;
   { ndf.visible_normal(w, stream) } -> std::same_as<Direction>;
   { ndf.diffuse_phase(w, w) } -> std::same_as<double>;
   { ndf.mirror_phase(w, w) } -> std::same_as<double>;
   { ndf.is_delta() } -> std::same_as<bool>;
+  { ndf.is_two_sided() } -> std::same_as<bool>;
+  { ndf.is_symmetric_about_z() } -> std::same_as<bool>;
+  { ndf.mean_normal() } -> std::same_as<Direction>;
+  { ndf.largest_mirror_phase() } -> std::same_as<double>;
 };
+
+/// What flakes of either surface answer alike.
+template <class Ndf>
+[[nodiscard]] MediumTraits flake_traits(const Ndf& ndf, PhaseShape shape) {
+  return {.two_sided = ndf.is_two_sided(),
+          .symmetric_about_z = ndf.is_symmetric_about_z(),
+          .has_axis = true,
+          .mean_normal = ndf.mean_normal(),
+          .shape = shape,
+          .mean_cosine = 0};
+}
 
 /// The half vector of two directions, not normalised: w_i + w_o. At w_o = -w_i, where it vanishes,
 /// its limit within the vertical plane of w_i, on the upper side.
@@ -56,6 +74,10 @@ struct MirrorFlakes {
   }
   [[nodiscard]] Event collide(Direction wi, RandomStream&) const { return {ndf, wi}; }
   [[nodiscard]] bool is_delta() const { return ndf.is_delta(); }
+  [[nodiscard]] MediumTraits traits() const { return flake_traits(ndf, PhaseShape::jump); }
+  [[nodiscard]] double largest_density() const { return ndf.largest_mirror_phase(); }
+
+  friend bool operator==(const MirrorFlakes&, const MirrorFlakes&) = default;
 
  private:
   static double half_angle_schlick(Direction wi, Direction wo) {
@@ -90,6 +112,11 @@ struct LambertFlakes {
     return {ndf.visible_normal(wi, stream)};
   }
   [[nodiscard]] bool is_delta() const { return false; }
+  [[nodiscard]] MediumTraits traits() const { return flake_traits(ndf, PhaseShape::diffuse); }
+  /// A mean of cosines over pi.
+  [[nodiscard]] double largest_density() const { return 1; }
+
+  friend bool operator==(const LambertFlakes&, const LambertFlakes&) = default;
 };
 
 }  // namespace lamella

@@ -28,6 +28,17 @@ struct HenyeyGreenstein {
   }
   [[nodiscard]] Event collide(Direction wi, RandomStream&) const { return {g, wi}; }
   [[nodiscard]] bool is_delta() const { return false; }
+  [[nodiscard]] MediumTraits traits() const {
+    return {.two_sided = true,
+            .symmetric_about_z = true,
+            .has_axis = false,
+            .mean_normal = Direction{0, 0, 0},
+            .shape = PhaseShape::smooth,
+            .mean_cosine = g};
+  }
+  [[nodiscard]] double largest_density() const { return henyey_greenstein_phase(std::abs(g), 1.0); }
+
+  friend bool operator==(const HenyeyGreenstein&, const HenyeyGreenstein&) = default;
 };
 
 }  // namespace lamella

@@ -37,6 +37,18 @@ struct LambertSphere {
   }
   [[nodiscard]] Event collide(Direction wi, RandomStream&) const { return {wi}; }
   [[nodiscard]] bool is_delta() const { return false; }
+  [[nodiscard]] MediumTraits traits() const {
+    return {.two_sided = true,
+            .symmetric_about_z = true,
+            .has_axis = false,
+            .mean_normal = Direction{0, 0, 0},
+            .shape = PhaseShape::smooth,
+            .mean_cosine = 0};
+  }
+  /// 2 / (3 pi) [1/sr] straight back, below 1.
+  [[nodiscard]] double largest_density() const { return 1; }
+
+  friend bool operator==(const LambertSphere&, const LambertSphere&) = default;
 };
 
 }  // namespace lamella

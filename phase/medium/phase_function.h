@@ -3,6 +3,7 @@
 #include <concepts>
 
 #include "phase/math/direction.h"
+#include "phase/medium/medium_traits.h"
 #include "phase/random/random.h"
 
 namespace lamella {
@@ -34,13 +35,17 @@ concept ScatteringEvent = requires(const E event, Direction wo, RandomStream& st
 ///   phase(wi, wo): p(w_i -> w_o) [1/sr], exact (closed form or quadrature); integral over w_o
 ///   is 1. collide(wi, stream): an event for light that arrived from w_i; sigma(wi) must be
 ///   positive. is_delta(): the phase function is a delta, which `phase` and `density` leave out
-///   (0).
+///   (0). traits(): what other rooms ask besides. largest_density(): an upper bound of p [1/sr],
+///   within a factor of about 2 where lanes are to walk in the medium. ==: same kind, same numbers.
 template <class M>
-concept ScatteringMedium = requires(const M medium, Direction w, RandomStream& stream) {
+concept ScatteringMedium = std::equality_comparable<M> &&
+    requires(const M medium, Direction w, RandomStream& stream) {
   { medium.sigma(w) } -> std::same_as<double>;
   { medium.phase(w, w) } -> std::same_as<PhaseValue>;
   { medium.collide(w, stream) } -> ScatteringEvent;
   { medium.is_delta() } -> std::same_as<bool>;
+  { medium.traits() } -> std::same_as<MediumTraits>;
+  { medium.largest_density() } -> std::same_as<double>;
 };
 
 }  // namespace lamella

@@ -152,4 +152,14 @@ double Sggx::diffuse_phase_over_lune(Direction wi, Direction wo) const {
   return lo * sum / (kPi * kPi);
 }
 
+double Sggx::largest_mirror_phase() const {
+  const SggxMatrix<double> b = a_.inverse();
+  // The norms bound |A u| above and below.
+  const auto norm = [](const SggxMatrix<double>& a) {
+    return std::sqrt(a.a00 * a.a00 + a.a10 * a.a10 + a.a11 * a.a11 + a.a20 * a.a20 + a.a21 * a.a21 +
+                     a.a22 * a.a22);
+  };
+  return std::pow(norm(a_), 4) / (4 * kPi * a_.determinant()) * norm(b);
+}
+
 }  // namespace lamella

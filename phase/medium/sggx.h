@@ -36,12 +36,19 @@ class Sggx {
   [[nodiscard]] double diffuse_phase(Direction wi, Direction wo) const;
   [[nodiscard]] bool is_delta() const { return false; }
 
+  [[nodiscard]] bool is_two_sided() const { return true; }
+  [[nodiscard]] Direction mean_normal() const { return {0, 0, 0}; }
+  /// An upper bound of mirror_phase [1/sr], from the norms of A and its inverse.
+  [[nodiscard]] double largest_mirror_phase() const;
+
   [[nodiscard]] const SggxMatrix<double>& matrix() const { return a_; }
   /// S commutes with every rotation about z.
   [[nodiscard]] bool is_symmetric_about_z() const { return symmetric_about_z_; }
 
   /// diffuse_phase by the quadrature over the lune, for any S.
   [[nodiscard]] double diffuse_phase_over_lune(Direction wi, Direction wo) const;
+
+  friend bool operator==(const Sggx& a, const Sggx& b) { return a.a_ == b.a_; }
 
  private:
   /// S = across^2 (I - n n^T) + along^2 n n^T

@@ -30,6 +30,14 @@ struct SggxMatrix {
     return {x, y, (m.z - a20 * x - a21 * y) / a22};
   }
   [[nodiscard]] Real determinant() const { return a00 * a11 * a22; }
+  /// A^-1, lower triangular too.
+  [[nodiscard]] SggxMatrix inverse() const {
+    const Vec3<Real> x = solve({Real(1), Real(0), Real(0)}), y = solve({Real(0), Real(1), Real(0)}),
+                     z = solve({Real(0), Real(0), Real(1)});
+    return {x.x, x.y, y.y, x.z, y.z, z.z};
+  }
+
+  friend bool operator==(const SggxMatrix&, const SggxMatrix&) = default;
 };
 
 /// Projected area sigma(w) = sqrt(w^T S w) = |A^T w|, dimensionless. w: unit.

@@ -359,4 +359,17 @@ Direction Vmf::normal_from_behind(Direction wi, double u, RandomStream& stream) 
   }
 }
 
+double Vmf::largest_mirror_phase() const {
+  // From behind, D of what faces w_i and sigma fall together.
+  double largest = 0;
+  const double width = std::min(1.0, 6 * alpha_);
+  for (const double range : {1.0, width})
+    for (double x = -1; x <= 1; x += 0x1p-7) {
+      const double u = range * x, nearest = u < 0 ? std::sqrt((1 - u) * (1 + u)) : 1;
+      const double area = std::max(vmf_sigma(u, alpha_), 1e-6);
+      largest = std::max(largest, vmf_density(vmf_concentration(alpha_), nearest) / (4 * area));
+    }
+  return 2 * largest;
+}
+
 }  // namespace lamella

@@ -63,10 +63,21 @@ class Vmf {
   /// alpha = 0: every normal is the mean normal.
   [[nodiscard]] bool is_delta() const { return alpha_ == 0; }
 
+  [[nodiscard]] bool is_two_sided() const { return false; }
+  [[nodiscard]] bool is_symmetric_about_z() const {
+    return std::isinf(alpha_) || (axis_.x == 0 && axis_.y == 0);
+  }
+  /// Twice the largest value of mirror_phase [1/sr] on a fine set of cosines.
+  [[nodiscard]] double largest_mirror_phase() const;
+
   [[nodiscard]] double alpha() const { return alpha_; }
   [[nodiscard]] Direction axis() const { return axis_; }
   /// The integral of m D(m) dm, whose z part is the kappa_k of the transmission law.
   [[nodiscard]] Direction mean_normal() const { return mean_cosine_ * axis_; }
+
+  friend bool operator==(const Vmf& a, const Vmf& b) {
+    return a.alpha_ == b.alpha_ && a.axis_ == b.axis_;
+  }
 
  private:
   static constexpr int kPieces = 32;

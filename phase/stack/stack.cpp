@@ -31,13 +31,13 @@ bool Stack::is_grey() const {
 
 bool Stack::is_symmetric_about_z() const {
   return !has_grid() && std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
-    return lamella::is_symmetric_about_z(l.medium);
+    return traits(l.medium).symmetric_about_z;
   });
 }
 
 bool Stack::is_reciprocal() const {
   return std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
-    const Direction n = mean_normal(l.medium);
+    const Direction n = traits(l.medium).mean_normal.value;
     return n.x == 0 && n.y == 0 && (n.z == 0 || !l.grid);
   });
 }
@@ -45,7 +45,7 @@ bool Stack::is_reciprocal() const {
 double Stack::one_sidedness() const {
   double sum = 0;
   for (const Layer& layer : layers) {
-    const double z = mean_normal(layer.medium).z;
+    const double z = traits(layer.medium).mean_normal.value.z;
     if (z != 0) sum += layer.depth() * z;
   }
   return sum;

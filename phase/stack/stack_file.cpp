@@ -6,6 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+
+#include "phase/medium/media.h"
 #define TOML_HEADER_ONLY 1
 // toml++ 3.3 reaches its "unreachable" code at letters such as mu outside of strings, when it asks
 // whether they are spaces. They are not; the rest keeps its own definition.

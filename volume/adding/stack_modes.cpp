@@ -7,8 +7,7 @@ namespace lamella {
 GrazingMap grazing_map(const Stack& stack) {
   constexpr double kPeaked = 0.6, kKnee = 0.15;
   for (const Layer& layer : stack.layers)
-    if (const auto* hg = std::get_if<HenyeyGreenstein>(&layer.medium))
-      if (std::abs(hg->g) > kPeaked) return GrazingMap(kKnee);
+    if (std::abs(traits(layer.medium).mean_cosine) > kPeaked) return GrazingMap(kKnee);
   return {};
 }
 
@@ -17,8 +16,7 @@ StackModes::StackModes(const Stack& stack, int channel, DirectionSets sets, int 
   for (const Layer& layer : stack.layers) {
     const auto kind = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) {
       return k.layer->albedo[channel] == layer.albedo[channel] &&
-             k.layer->f0[channel] == layer.f0[channel] &&
-             is_same_medium(k.layer->medium, layer.medium);
+             k.layer->f0[channel] == layer.f0[channel] && k.layer->medium == layer.medium;
     });
     const std::size_t kind_index = kind - kinds_.begin();
     if (kind == kinds_.end()) kinds_.push_back({&layer, {}});

@@ -49,44 +49,30 @@ KernelModes sampled(const P& profile, double f0, const DirectionSets& sets, int 
   return kernel;
 }
 
+template <class Ndf>
+KernelModes modes_of(const LambertFlakes<Ndf>& medium, double, const DirectionSets& sets,
+                     int modes) {
+  return lambert_flake_modes(medium.ndf, sets.out, sets.in, modes);
+}
+
+// Media whose kernel is known in closed form.
 template <class M>
-KernelModes projected(const M& medium, double f0, const DirectionSets& sets, int modes,
-                      bool two_sided) {
+KernelModes modes_of(const M& medium, double f0, const DirectionSets& sets, int modes) {
+  static_assert(
+      requires { kernel_profile(medium); },
+      "the solver needs a kernel_profile() of this medium: see kernel_profiles.h");
+  const MediumTraits traits = medium.traits();
   const auto profile = kernel_profile(medium);
-  KernelModes kernel = sampled(profile, f0, sets, modes, two_sided);
-  project_forward(profile, f0, sets, two_sided, kernel);
+  KernelModes kernel = sampled(profile, f0, sets, modes, traits.two_sided);
+  if (traits.shape == PhaseShape::jump || !is_resolved(traits.mean_cosine, sets))
+    project_forward(profile, f0, sets, traits.two_sided, kernel);
   return kernel;
 }
 
 }  // namespace
 
 KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets, int modes) {
-  struct Visitor {
-    double f0;
-    const DirectionSets& sets;
-    int modes;
-
-    KernelModes operator()(const MirrorFlakes<Sggx>& m) const {
-      return projected(m, f0, sets, modes, true);
-    }
-    KernelModes operator()(const MirrorFlakes<Vmf>& m) const {
-      return projected(m, f0, sets, modes, false);
-    }
-    KernelModes operator()(const LambertFlakes<Sggx>& m) const {
-      return lambert_flake_modes(m.ndf, sets.out, sets.in, modes);
-    }
-    KernelModes operator()(const LambertFlakes<Vmf>& m) const {
-      return lambert_flake_modes(m.ndf, sets.out, sets.in, modes);
-    }
-    KernelModes operator()(const LambertSphere& m) const {
-      return sampled(kernel_profile(m), 1, sets, modes, true);
-    }
-    KernelModes operator()(const HenyeyGreenstein& m) const {
-      return is_resolved(m.g, sets) ? sampled(kernel_profile(m), 1, sets, modes, true)
-                                    : projected(m, 1, sets, modes, true);
-    }
-  };
-  return std::visit(Visitor{f0, sets, modes}, medium);
+  return std::visit([&](const auto& m) { return modes_of(m, f0, sets, modes); }, medium);
 }
 
 KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& sets, int modes) {
@@ -105,37 +91,6 @@ KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& s
       },
       [](double, double, double) { return 4.0; }, true};
   return sampled(profile, 1, sets, modes, true);
-}
-
-bool is_same_medium(const Medium& a, const Medium& b) {
-  if (a.index() != b.index()) return false;
-  const auto same_ndf = [](const auto& m, const auto& n) {
-    using Ndf = std::decay_t<decltype(m)>;
-    if constexpr (std::is_same_v<Ndf, Sggx>) {
-      const auto &p = m.matrix(), &q = n.matrix();
-      return p.a00 == q.a00 && p.a10 == q.a10 && p.a11 == q.a11 && p.a20 == q.a20 &&
-             p.a21 == q.a21 && p.a22 == q.a22;
-    } else {
-      return m.alpha() == n.alpha() && m.axis() == n.axis();
-    }
-  };
-  return std::visit(
-      [&](const auto& m) {
-        using M = std::decay_t<decltype(m)>;
-        const M& n = std::get<M>(b);
-        if constexpr (std::is_same_v<M, HenyeyGreenstein>)
-          return m.g == n.g;
-        else if constexpr (std::is_same_v<M, LambertSphere>)
-          return true;
-        else
-          return same_ndf(m.ndf, n.ndf);
-      },
-      a);
-}
-
-bool is_two_sided(const Medium& medium) {
-  return !std::holds_alternative<MirrorFlakes<Vmf>>(medium) &&
-         !std::holds_alternative<LambertFlakes<Vmf>>(medium);
 }
 
 }  // namespace lamella

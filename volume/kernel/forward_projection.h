@@ -1,6 +1,6 @@
 #pragma once
 
-#include "volume/kernel/azimuthal_kernel.h"
+#include "volume/kernel/kernel_modes.h"
 #include "volume/kernel/pair_modes.h"
 
 namespace lamella {

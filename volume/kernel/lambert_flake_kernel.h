@@ -1,6 +1,8 @@
 #pragma once
 
-#include "volume/kernel/azimuthal_kernel.h"
+#include "phase/medium/sggx.h"
+#include "phase/medium/vmf.h"
+#include "volume/kernel/kernel_modes.h"
 
 namespace lamella {
 

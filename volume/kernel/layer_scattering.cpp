@@ -32,7 +32,7 @@ double factor(double area, double sum, double largest) {
 
 LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
                                  const DirectionSets& sets, int mode_count)
-    : two_sided(is_two_sided(medium)) {
+    : two_sided(traits(medium).two_sided) {
   for (const int side : {0, 1}) {
     sigma_in[side] = projected_areas(medium, sets.in, side == 0 ? 1 : -1);
     sigma_out[side] = projected_areas(medium, sets.out, side == 0 ? 1 : -1);

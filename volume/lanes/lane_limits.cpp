@@ -21,62 +21,45 @@ constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
 constexpr double kDeepestFromBehind = 100;
 constexpr std::uint64_t kMostTabulatedOrders = 1 << 16;
 
+// A medium that walks on lanes has an overload here; any other walks in double.
+template <class M>
+std::optional<std::string> why_not_medium(const M&, double) {
+  return "lanes have no kernel for this medium";
+}
 std::optional<std::string> why_not_medium(const LambertSphere&, double) { return std::nullopt; }
 std::optional<std::string> why_not_medium(const HenyeyGreenstein& m, double) {
   if (std::abs(m.g) > kNarrowestHg) return "so narrow a forward peak asks for double";
   return std::nullopt;
 }
-template <class Flakes>
-std::optional<std::string> why_not_medium(const Flakes& m, double depth) {
-  if constexpr (std::is_same_v<decltype(m.ndf), Vmf>) {
-    if (m.ndf.alpha() < kNarrowestVmf) return "vMF flakes this narrow ask for double";
-    // Light that sees their backs meets null collisions almost only: as many as its way is long.
-    const double up = m.ndf.axis().z;
-    if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
-      return "tilted vMF flakes, or deep ones that face down, ask for too many null collisions";
-  } else {
-    const auto& a = m.ndf.matrix();
-    const auto [least, most] = std::minmax({a.a00, a.a11, a.a22});
-    if (least < kNarrowestSggx * most || most > 1e3 || least < 1e-3)
-      return "SGGX flakes this narrow ask for double";
-  }
+std::optional<std::string> why_not_flakes(const Sggx& ndf, double) {
+  const auto& a = ndf.matrix();
+  const auto [least, most] = std::minmax({a.a00, a.a11, a.a22});
+  if (least < kNarrowestSggx * most || most > 1e3 || least < 1e-3)
+    return "SGGX flakes this narrow ask for double";
   return std::nullopt;
+}
+std::optional<std::string> why_not_flakes(const Vmf& ndf, double depth) {
+  if (ndf.alpha() < kNarrowestVmf) return "vMF flakes this narrow ask for double";
+  // Light that sees their backs meets null collisions almost only: as many as its way is long.
+  const double up = ndf.axis().z;
+  if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
+    return "tilted vMF flakes, or deep ones that face down, ask for too many null collisions";
+  return std::nullopt;
+}
+template <class Ndf>
+std::optional<std::string> why_not_medium(const MirrorFlakes<Ndf>& m, double depth) {
+  return why_not_flakes(m.ndf, depth);
+}
+template <class Ndf>
+std::optional<std::string> why_not_medium(const LambertFlakes<Ndf>& m, double depth) {
+  return why_not_flakes(m.ndf, depth);
 }
 
 // The largest value of p, as fixed point must hold it.
-double largest_density(const Medium& medium) {
-  if (const auto* mirror = std::get_if<MirrorFlakes<Sggx>>(&medium)) {
-    const SggxMatrix<double>& a = mirror->ndf.matrix();
-    const SggxMatrix<double> b = inverse_of(a);
-    // The norms bound |A u| above and below.
-    const double norm = std::sqrt(a.a00 * a.a00 + a.a10 * a.a10 + a.a11 * a.a11 + a.a20 * a.a20 +
-                                  a.a21 * a.a21 + a.a22 * a.a22);
-    const double inverse_norm = std::sqrt(b.a00 * b.a00 + b.a10 * b.a10 + b.a11 * b.a11 +
-                                          b.a20 * b.a20 + b.a21 * b.a21 + b.a22 * b.a22);
-    return std::pow(norm, 4) / (4 * kPi * a.determinant()) * inverse_norm;
-  }
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&medium))
-    return henyey_greenstein_phase(std::abs(hg->g), 1.0);
-  if (const auto* vmf = std::get_if<MirrorFlakes<Vmf>>(&medium)) {
-    // From behind, D of what faces w_i and sigma fall together.
-    double largest = 0;
-    const double width = std::min(1.0, 6 * vmf->ndf.alpha());
-    for (const double range : {1.0, width})
-      for (double x = -1; x <= 1; x += 0x1p-7) {
-        const double u = range * x, nearest = u < 0 ? std::sqrt((1 - u) * (1 + u)) : 1;
-        const double area = std::max(vmf_sigma(u, vmf->ndf.alpha()), 1e-6);
-        largest = std::max(largest,
-                           vmf_density(vmf_concentration(vmf->ndf.alpha()), nearest) / (4 * area));
-      }
-    return 2 * largest;
-  }
-  return 1;
-}
-
 double largest_density(const Stack& stack, const Plan& plan) {
   double largest = 1 / kPi;
   for (const int k : plan.layers)
-    largest = std::max(largest, largest_density(stack.layers[k].medium));
+    largest = std::max(largest, lamella::largest_density(stack.layers[k].medium));
   return largest;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "volume/lanes/lane_marginals.h"
 
@@ -51,6 +52,11 @@ class LayerWriter {
     for (int k = 0; k < 6; ++k) set(field + k, numbers[k]);
   }
 
+  // Media without a kernel never get here: why_not_lanes (lane_limits.cpp) refuses them.
+  template <class M>
+  void operator()(const M&) {
+    throw std::logic_error("lanes have no kernel for this medium");
+  }
   void operator()(const LambertSphere&) { particle(LaneMediumKind::lambert_sphere); }
   void operator()(const HenyeyGreenstein& m) {
     particle(LaneMediumKind::henyey_greenstein);
@@ -70,7 +76,7 @@ class LayerWriter {
     set_kind(kind);
     const SggxMatrix<double>& a = flakes.matrix();
     set_matrix(kA, a);
-    set_matrix(kInverse, inverse_of(a));
+    set_matrix(kInverse, a.inverse());
     set(kDensityScale, 1 / (4 * kPi * a.determinant()));
     area = flakes.sigma(incident_);
   }
@@ -114,11 +120,6 @@ bool is_upright(const LayerNumbers<Scalar>& layers, int count) {
 }
 
 }  // namespace
-
-SggxMatrix<double> inverse_of(const SggxMatrix<double>& a) {
-  const Direction x = a.solve({1, 0, 0}), y = a.solve({0, 1, 0}), z = a.solve({0, 0, 1});
-  return {x.x, x.y, y.y, x.z, y.z, z.z};
-}
 
 std::vector<LanePart> lane_parts(const Stack& stack, const Plan& plan) {
   std::vector<LanePart> parts;

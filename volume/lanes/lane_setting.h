@@ -41,7 +41,4 @@ struct LaneSetting {
   double chance = 1;  ///< of the first collision where it is forced
 };
 
-/// A^-1
-[[nodiscard]] SggxMatrix<double> inverse_of(const SggxMatrix<double>& a);
-
 }  // namespace lamella

@@ -17,10 +17,7 @@ constexpr double kLongWalk = 400;
 constexpr std::uint32_t kFirst = 16, kLatestFirst = 1u << 12;
 
 // 1 - g: an event of a forward peak is that part of one.
-double turn(const Medium& medium) {
-  const auto* hg = std::get_if<HenyeyGreenstein>(&medium);
-  return hg ? std::clamp(1 - hg->g, 1e-4, 1.0) : 1;
-}
+double turn(const Medium& medium) { return std::clamp(1 - traits(medium).mean_cosine, 1e-4, 1.0); }
 
 // The largest share of light that an event passes on, over channels; Schlick's factor at its mean.
 double passed_on(const Layer& layer) {
@@ -47,7 +44,8 @@ double longest_walk(const Stack& stack, const Plan& plan) {
     depth += layer.depth() * area * turn(layer.medium);
     absorbed = std::min(absorbed, (1 - passed_on(layer)) / turn(layer.medium));
     // One-sided flakes let light out again within so many mean free paths.
-    drift = std::max(drift, std::abs(mean_normal(layer.medium).z) / std::max(area, 1e-300));
+    drift = std::max(drift,
+                     std::abs(traits(layer.medium).mean_normal.value.z) / std::max(area, 1e-300));
   }
   // Diffusion: as many events as the square of the way.
   return (1 + 1 / (absorbed + 1 / (depth * depth) + drift * drift)) / least_turn(stack, plan);

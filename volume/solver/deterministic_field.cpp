@@ -85,17 +85,13 @@ MatrixXd asked(const MatrixXd& m, Index nodes) {
 
 bool is_steep(const Medium& medium) {
   constexpr double kPeaked = 0.85;
-  if (const auto* hg = std::get_if<HenyeyGreenstein>(&medium)) return std::abs(hg->g) > kPeaked;
-  return std::holds_alternative<MirrorFlakes<Sggx>>(medium) ||
-         std::holds_alternative<MirrorFlakes<Vmf>>(medium);
+  const MediumTraits t = traits(medium);
+  return t.shape == PhaseShape::jump || std::abs(t.mean_cosine) > kPeaked;
 }
 
 namespace {
 
-bool is_counted(const Medium& medium) {
-  return !std::holds_alternative<LambertFlakes<Sggx>>(medium) &&
-         !std::holds_alternative<LambertFlakes<Vmf>>(medium);
-}
+bool is_counted(const Medium& medium) { return traits(medium).shape != PhaseShape::diffuse; }
 
 }  // namespace
 

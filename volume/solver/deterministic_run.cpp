@@ -53,8 +53,7 @@ std::vector<CellMean> single_scattering_cells(const Stack& stack, const CellGrid
 // Whether there are mirror flakes, whose phase functions jump straight on.
 bool has_mirrors(const Stack& stack) {
   return std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
-    return std::holds_alternative<MirrorFlakes<Sggx>>(layer.medium) ||
-           std::holds_alternative<MirrorFlakes<Vmf>>(layer.medium);
+    return traits(layer.medium).shape == PhaseShape::jump;
   });
 }
 

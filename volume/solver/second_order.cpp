@@ -254,8 +254,7 @@ SecondOrder::SecondOrder(const Stack& stack, int channel) : stack_(stack) {
     int kind = -1;
     if (albedo > 0 && visit_profile(layer.medium, [](const auto&) {})) {
       const auto same = [&](const Kind& k) {
-        return k.albedo == albedo && k.f0 == f0 &&
-               is_same_medium(stack.layers[k.layer].medium, layer.medium);
+        return k.albedo == albedo && k.f0 == f0 && stack.layers[k.layer].medium == layer.medium;
       };
       const auto it = std::find_if(kinds_.begin(), kinds_.end(), same);
       kind = static_cast<int>(it - kinds_.begin());

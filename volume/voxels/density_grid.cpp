@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "phase/medium/media.h"
 #include "volume/voxels/grid_generators.h"
 #include "volume/voxels/vdb_file.h"
 
@@ -28,10 +29,7 @@ Medium remade(const Layer& layer, std::optional<double> roughness, bool axis_alo
   return find_medium(layer.medium_name)->make(p);
 }
 
-bool is_particle(const Layer& layer) {
-  return std::holds_alternative<LambertSphere>(layer.medium) ||
-         std::holds_alternative<HenyeyGreenstein>(layer.medium);
-}
+bool is_particle(const Layer& layer) { return !traits(layer.medium).has_axis; }
 
 // The smallest cone about the two cones' middles that is easy to find: about their sum.
 DensityGrid::Cone joined(const DensityGrid::Cone& a, DensityGrid::Cone b, bool two_sided) {
@@ -127,8 +125,7 @@ void DensityGrid::make_palette(const Layer& layer) {
     palette_.push_back(has_orientation() ? remade(layer, std::nullopt, true) : layer.medium);
   }
   const Medium& medium = palette_.back();
-  const bool one_sided = std::holds_alternative<MirrorFlakes<Vmf>>(medium) ||
-                         std::holds_alternative<LambertFlakes<Vmf>>(medium);
+  const bool one_sided = !traits(medium).two_sided;
   two_sided_ = !one_sided;
   // sigma falls or rises all the way from the axis to the equator (SGGX), or to the other pole
   // (vMF); SGGX's rises with the roughness everywhere, so that the roughest of a cell bounds it.

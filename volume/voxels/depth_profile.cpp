@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "phase/medium/media.h"
+
 namespace lamella {
 namespace {
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "phase/math/direction.h"
+
+namespace lamella {
+
+/// An answer that has to be given: an aggregate with such a member does not compile without it.
+template <class T>
+struct Answer {
+  T value;
+  Answer(T given) : value(given) {}  // NOLINT: conversion is what it is for
+  operator T() const { return value; }
+};
+
+/// How a phase function falls off about the direction straight on, w_o = -w_i: what the
+/// deterministic solver must know before it expands it.
+enum class PhaseShape {
+  smooth,   ///< nowhere steep beyond what mean_cosine says
+  jump,     ///< bounded, but its value at w_o = -w_i depends on the way there (mirror flakes)
+  diffuse,  ///< Lambertian flakes: an integral over the flakes' normals, without closed form
+};
+
+/// What the other rooms ask of a medium besides how it scatters. A medium answers every question
+/// (ScatteringMedium requires `traits()`); there are no defaults.
+struct MediumTraits {
+  /// Whether sigma(w_i) p(w_i -> w_o) is the same at (-w_i, -w_o): particles, two-sided flakes.
+  Answer<bool> two_sided;
+  /// Whether every rotation about z leaves the medium as it is.
+  Answer<bool> symmetric_about_z;
+  /// Whether there is an axis that an orientation grid can turn. Particles have none.
+  Answer<bool> has_axis;
+  /// The integral of m D(m) dm: zero for two-sided media and particles.
+  Answer<Direction> mean_normal;
+  Answer<PhaseShape> shape;
+  /// Mean cosine of the deflection where the phase function has a peak, forward (> 0) or backward
+  /// (< 0), that nodes and long walks must be fitted to; 0 where it has none.
+  Answer<double> mean_cosine;
+};
+
+}  // namespace lamella
