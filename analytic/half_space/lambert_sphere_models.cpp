@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "analytic/half_space/half_space_lanes.h"
 #include "analytic/model/formula_model.h"
 #include "analytic/model/one_half_space.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analytic/half_space/half_space_lanes.h"
 #include "analytic/half_space/vmf_diffuse_sampler.h"
 #include "analytic/model/formula_model.h"
 #include "analytic/model/one_half_space.h"

@@ -1,15 +1,11 @@
 #pragma once
 
-#include "analytic/half_space/lambert_sphere_formula.h"
-#include "analytic/half_space/vmf_diffuse_formula.h"
-#include "analytic/rough_surface/eon_formula.h"
-#include "analytic/rough_surface/oren_nayar_formula.h"
 #include "phase/lanes/isa.h"
 
 namespace lamella {
 
 // The formulas that a batch of pairs is evaluated with on lanes of double
-// (analytic/model/batch_evaluate.cpp). A formula is a struct of plain numbers with two members over
+// (analytic/model/batch_lanes.h). A formula is a struct of plain numbers with two members over
 // any number type:
 //   shared(Angles<Real>)        what the colour channels have in common,
 //   channel(that, int c)        f [1/sr] of channel c.
@@ -21,32 +17,12 @@ template <class Formula>
 using BatchFunction = void (*)(const Formula* formula, int channels, const double* pairs,
                                double* values, std::size_t count);
 
-#define LAMELLA_BATCH_FUNCTION(name, Formula)                                       \
+/// Declares a batch function of a formula, `name`, and name_for(isa) that chooses among the sets:
+/// in a list LAMELLA_..._FORMULAS(DO) of a family, whose lane source defines them all
+/// (half_space_lanes.h and .cpp are an example).
+#define LAMELLA_DECLARE_BATCH_FUNCTION(name, Formula)                               \
   LAMELLA_LANE_FUNCTION(void, name,                                                 \
                         (const Formula* formula, int channels, const double* pairs, \
                          double* values, std::size_t count))
-
-using FonFormula = EonFormula<EonAlbedo::none>;
-using EonExactFormula = EonFormula<EonAlbedo::exact>;
-using EonFitFormula = EonFormula<EonAlbedo::fit>;
-using OrenNayarFormula = QualitativeFormula<false>;
-using FujiiFormula = QualitativeFormula<true>;
-
-/// DO(name, formula) for each of them.
-#define LAMELLA_BATCH_FORMULAS(DO)                 \
-  DO(fon_batch, FonFormula)                        \
-  DO(eon_batch, EonExactFormula)                   \
-  DO(eon_fit_batch, EonFitFormula)                 \
-  DO(oren_nayar_batch, OrenNayarFormula)           \
-  DO(fujii_batch, FujiiFormula)                    \
-  DO(full_oren_nayar_batch, FullOrenNayarFormula)  \
-  DO(lambert_sphere_batch, AnalyticLambertSphere)  \
-  DO(fast_lambert_sphere_batch, FastLambertSphere) \
-  DO(hapke_batch, HapkeLambertSphere)              \
-  DO(vmf_diffuse_batch, VmfDiffuseFormula)
-
-LAMELLA_BATCH_FORMULAS(LAMELLA_BATCH_FUNCTION)
-
-#undef LAMELLA_BATCH_FUNCTION
 
 }  // namespace lamella

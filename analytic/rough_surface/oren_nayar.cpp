@@ -4,6 +4,7 @@
 
 #include "analytic/model/formula_model.h"
 #include "analytic/model/one_half_space.h"
+#include "analytic/rough_surface/rough_surface_lanes.h"
 
 namespace lamella {
 namespace {

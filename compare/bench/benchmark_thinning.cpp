@@ -5,6 +5,7 @@
 
 #include "compare/bench/benchmark.h"
 #include "phase/stack/stack_file.h"
+#include "volume/plan/longest_walk.h"
 
 namespace lamella {
 namespace {
@@ -54,7 +55,7 @@ void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const R
     // As the plan would, if walks were always long enough.
     Plan thinned = make_plan(stack, {.max_order = kThinnedMaxOrder});
     const bool planned = thinned.thinning.is_on();
-    thinned.thinning = thinning_of(stack, thinned);
+    thinned.thinning = thinning_of(stack, thinned.layers);
     Plan whole = thinned;
     whole.thinning = {};
     thinned.isa = whole.isa = effort.isa;
@@ -69,7 +70,7 @@ void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const R
       row.baseline = fmt::format("walks that are not thinned; time x variance; {}",
                                  planned ? "the plan thins" : "the plan does not thin");
       row.ratio_to_baseline = cells ? without.cells / with.cells : without.energy / with.energy;
-      row.extra["longest_walk"] = longest_walk(stack, thinned);
+      row.extra["longest_walk"] = longest_walk(stack, thinned.layers);
       row.extra["planned"] = planned;
       report(std::move(row));
     }

@@ -9,6 +9,7 @@
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/plan/plan.h"
+#include "volume/run/explain.h"
 
 namespace lamella {
 namespace {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "volume/grid_walk/grid_march.h"
-#include "volume/run/simulation.h"
+#include "volume/result/tally.h"
 #include "volume/walk/path_weight.h"
 #include "volume/walk/walk.h"
 

@@ -6,6 +6,7 @@
 
 #include "phase/stack/stack.h"
 #include "volume/plan/plan.h"
+#include "volume/result/estimator.h"
 #include "volume/result/tally.h"
 #include "volume/voxels/density_grid.h"
 #include "volume/walk/scorers.h"

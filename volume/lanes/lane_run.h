@@ -10,6 +10,7 @@
 #include "volume/lanes/lane_setting.h"
 #include "volume/lanes/lane_task.h"
 #include "volume/plan/plan.h"
+#include "volume/result/estimator.h"
 #include "volume/result/tally.h"
 #include "volume/walk/scorers.h"
 

@@ -6,7 +6,7 @@
 
 #include "phase/math/color.h"
 #include "volume/lanes/lane_media.h"
-#include "volume/plan/thinning.h"
+#include "volume/result/thinning.h"
 
 namespace lamella {
 

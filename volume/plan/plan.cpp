@@ -1,28 +1,11 @@
 #include "volume/plan/plan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 
-#include "volume/grains/grain_walk.h"
-#include "volume/lanes/lane_run.h"
-#include "volume/lanes/lane_setting.h"
+#include "volume/plan/longest_walk.h"
 #include "volume/voxels/density_grid.h"
 
 namespace lamella {
-
-std::string to_text(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::analog:
-      return "analog";
-    case Estimator::next_event:
-      return "next-event";
-    case Estimator::deterministic:
-      break;
-  }
-  return "deterministic";
-}
 
 namespace {
 
@@ -41,7 +24,7 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
     if (stack.has_grid() ? stack.layers[k].thickness > 0 : stack.layers[k].depth() > 0)
       plan.layers.push_back(k);
   if (stack.has_grid()) return plan;
-  plan.thinning = limits.thinning.value_or(thinning_for(stack, plan));
+  plan.thinning = limits.thinning.value_or(thinning_for(stack, plan.layers, plan.max_order));
   if (!limits.max_order && plan.thinning.is_on())
     plan.max_order = stack.is_grey() ? kThinnedMaxOrder : kThinnedColorMaxOrder;
   return plan;
@@ -79,174 +62,6 @@ Plan general_plan(const Stack& stack, const WalkLimits& limits) {
   Plan plan = bare_plan(stack, limits);
   if (stack.has_grid()) plan.grids = load_grids(stack);
   return plan;
-}
-
-namespace {
-
-void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
-                  std::vector<PlanNote>& notes) {
-  const VoxelIndex n = grid.extent().voxels;
-  const DensityGrid::CellCount count = grid.count_cells();
-  std::string varies = "density";
-  if (grid.has_orientation()) varies += ", orientation";
-  if (grid.has_roughness()) varies += ", roughness";
-  if (grid.has_albedo()) varies += ", albedo";
-  notes.push_back({"grid",
-                   fmt::format("layer {}: {} from {}, delta tracking", k, varies, layer.grid->file),
-                   fmt::format("{} x {} x {} voxels; {} of {} blocks are empty; {} cells with a "
-                               "majorant each are the fastest to cross",
-                               n[0], n[1], n[2], count.empty_blocks, count.blocks, count.cells)});
-  const Voxels& voxels = grid.voxels();
-  if (voxels.orientation && !grid.has_orientation())
-    notes.push_back(
-        {"grid", fmt::format("layer {}: orientation left out", k), "particles have no axis"});
-  if (voxels.albedo && !grid.has_albedo())
-    notes.push_back({"grid", fmt::format("layer {}: albedo left out", k),
-                     layer.grid->white ? "grid_albedo is white" : "it is 1 everywhere"});
-  if (grid.roughness_error() > 0)
-    notes.push_back({"grid",
-                     fmt::format("layer {}: roughness rounded to {} levels, off by at most {:.1g}",
-                                 k, grid.palette().size(), grid.roughness_error()),
-                     "a medium per roughness is kept"});
-}
-
-void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector<PlanNote>& notes) {
-  notes.push_back(
-      {"geometry",
-       fmt::format("rays are traced among explicit grains: {} ({:.6g} in a tile of {:.6g} mm that "
-                   "repeats in x and y)",
-                   stack.layers[0].medium_name, grains.expected_count(), grains.tile),
-       "no medium stands for them; what a path meets twice because of the period is of the order "
-       "of one grain in all of the tile's"});
-  notes.push_back({"ensemble",
-                   fmt::format("a new realisation every {} walks of a batch, turned by a random "
-                               "angle",
-                               GrainSetting(stack, {0, 0, 1}, 1, 1).walks_per_realisation),
-                   "standard errors come from the scatter across realisations; light enters over "
-                   "the whole tile"});
-  if (stack.substrate)
-    notes.push_back(
-        {"below",
-         fmt::format("an opaque plane at z = {:.6g} mm that reflects by {}, no "
-                     "transmission tallies",
-                     grains.bottom(),
-                     stack.substrate->model.empty() ? "Lambert's law" : stack.substrate->model),
-         grains.is_bed() ? "a substrate below the lowest spheres; its reflection counts "
-                           "as an order"
-                         : "the plane that the grains stand on; its reflection counts "
-                           "as an order"});
-  else
-    notes.push_back({"below", "transmission tallies: what leaks through a bed is counted there",
-                     "no substrate"});
-  notes.push_back({"reciprocity", "of reflection and transmission",
-                   "of the mean over realisations: grains and substrate are reciprocal"});
-}
-
-void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& notes) {
-  if (const auto reason = why_not_lanes(stack, plan)) {
-    notes.push_back({"instructions", "scalar kernel, double precision", *reason});
-    return;
-  }
-  notes.push_back(
-      {"instructions", fmt::format("{} lanes, single precision", to_text(plan.isa)),
-       "float resolves all depths and media (the same walks in double differ by 1e-6 in "
-       "the mean of hard cases, see volume/README.md); the first collision is forced "
-       "where its chance is below 5 %"});
-  if (const auto reason = why_not_lanes_in_cells(stack, plan, CellGrid{}))
-    notes.push_back({"instructions", "scalar kernel for next-event estimation in cells", *reason});
-  const bool common = LaneSetting<double>(stack, plan, {0, 0, 1}, 0).common_albedo;
-  notes.push_back(common ? PlanNote{"weights",
-                                    plan.channels == 1
-                                        ? "none: a walk's order tells its weight"
-                                        : "none: colours are recombined from orders, c^k f_k",
-                                    "one albedo in all layers, no Fresnel factor, no substrate"}
-                         : PlanNote{"weights", "carried by each walk, one per channel",
-                                    "albedos differ, or a Fresnel factor or substrate takes its "
-                                    "share"});
-}
-
-}  // namespace
-
-std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
-  std::vector<PlanNote> notes;
-  notes.push_back(
-      plan.channels == 1
-          ? PlanNote{"colour", "one weight channel", "every albedo, f0 and substrate is grey"}
-          : PlanNote{"colour", "three weight channels, one walk",
-                     "an albedo, f0 or substrate differs between channels"});
-  notes.push_back(
-      plan.folded
-          ? PlanNote{"azimuth", "phi folded onto [0, 180]; the incident azimuth does not matter",
-                     stack.grains() ? "the ensemble of realisations is symmetric about the normal"
-                                    : "every layer is symmetric about the normal"}
-          : PlanNote{"azimuth", "the whole circle of phi", "a layer is not symmetric about z"});
-  if (const GrainGeometry* grains = stack.grains()) {
-    explain_grains(stack, *grains, notes);
-    notes.push_back({"orders", fmt::format("1, 2, 3, 4+; cut after {} events", plan.max_order),
-                     "what is cut is reported as unresolved"});
-    return notes;
-  }
-  const std::size_t empty = stack.layers.size() - plan.layers.size();
-  notes.push_back({"layers",
-                   plan.layers.empty() ? "none is walked"
-                   : plan.single_layer
-                       ? "one: no layer is looked up"
-                       : fmt::format("{}: free flight crosses {} exactly", plan.layers.size(),
-                                     plan.has_grids() ? "homogeneous ones" : "them"),
-                   empty ? fmt::format("{} of depth 0 left out", empty) : "all have depth"});
-  for (std::size_t k = 0; k < plan.grids.size(); ++k)
-    if (plan.grids[k]) explain_grid(stack.layers[k], *plan.grids[k], k, notes);
-  if (plan.has_grids())
-    notes.push_back({"place", "x and y in the tile of all grids; light enters all over it",
-                     "f is the mean over the tile"});
-  if (plan.uniform_medium)
-    notes.push_back({"medium", "kernel of " + stack.layers[plan.layers[0]].medium_name,
-                     "all layers hold the same kind of medium"});
-  else
-    notes.push_back({"medium", "medium looked up at every event", "layers hold different media"});
-  if (stack.is_half_space())
-    notes.push_back({"below", "no transmission tallies", "the last layer is infinite"});
-  else if (stack.substrate)
-    notes.push_back(
-        stack.substrate->albedo.max() > 0
-            ? PlanNote{"below", "Lambertian reflection, no transmission tallies",
-                       "an opaque substrate; its reflection counts as an order"}
-            : PlanNote{"below", "absorbed, no transmission tallies", "a black substrate"});
-  else
-    notes.push_back({"below", "transmission tallies; light from below is allowed",
-                     "finite layers without a substrate"});
-  const bool fresnel = std::any_of(stack.layers.begin(), stack.layers.end(),
-                                   [](const Layer& l) { return l.f0 != Rgb(1); });
-  notes.push_back(fresnel ? PlanNote{"Fresnel", "Schlick's factor at each event", "an f0 below 1"}
-                          : PlanNote{"Fresnel", "left out", "no f0 below 1"});
-  const double one_sided = stack.one_sidedness();
-  const bool tilted = !stack.is_reciprocal();
-  notes.push_back(
-      tilted ? PlanNote{"reciprocity", "not claimed", "a one-sided layer's mean normal is tilted"}
-      : one_sided != 0
-          ? PlanNote{"reciprocity", "of reflection",
-                     fmt::format("one-sided flakes: transmission from above is exp(-{:.6g}) times "
-                                 "that from below",
-                                 one_sided)}
-          : PlanNote{"reciprocity", "of reflection and transmission", "all media are two-sided"});
-  notes.push_back({"orders", fmt::format("1, 2, 3, 4+; cut after {} events", plan.max_order),
-                   stack.is_half_space() ? "a half space keeps some walks for ever: their share is "
-                                           "reported as unresolved"
-                                         : "what is cut is reported as unresolved"});
-  if (plan.thinning.is_on())
-    notes.push_back(
-        {"long walks",
-         fmt::format("thinned: after {} events and every fourfold of that half of them "
-                     "end, and the others count double",
-                     plan.thinning.first),
-         fmt::format("the longest walks have {} events, most of the time for little of the light; "
-                     "the mean stays, energies of all orders have larger errors for it "
-                     "(--thin-from 0)",
-                     std::isfinite(longest_walk(stack, plan))
-                         ? fmt::format("about {:.2g}", longest_walk(stack, plan))
-                         : "any number of")});
-  explain_lanes(stack, plan, notes);
-  return notes;
 }
 
 }  // namespace lamella

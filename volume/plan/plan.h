@@ -3,23 +3,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "phase/lanes/isa.h"
 #include "phase/stack/stack.h"
-#include "volume/plan/thinning.h"
-#include "volume/result/cell_grid.h"
+#include "volume/result/thinning.h"
 
 namespace lamella {
 
 class DensityGrid;
-
-/// analog: photons counted in cells; next_event: every collision seen from every cell or point;
-/// deterministic: adding and doubling (deterministic.h), without walks.
-enum class Estimator { analog, next_event, deterministic };
-
-[[nodiscard]] std::string to_text(Estimator estimator);
 
 /// Where walks are cut unless something else is asked for: of those that are thinned, which costs
 /// next to nothing then; in colour orders are tabulated so far.
@@ -63,23 +55,5 @@ struct WalkLimits {
 
 /// The plan that carries everything: three channels, no folding, layers and media looked up.
 [[nodiscard]] Plan general_plan(const Stack& stack, const WalkLimits& limits = {});
-
-/// How many events the longest walks have, roughly: the number in which those that go on become
-/// fewer by e, as absorption, the way out of a slab and the way out of one-sided flakes end them.
-/// Of single media a test finds 0.25 to 1.8 times the estimate.
-[[nodiscard]] double longest_walk(const Stack& stack, const Plan& plan);
-/// Thinning as it is for the stack's media, whether or not it pays.
-[[nodiscard]] Thinning thinning_of(const Stack& stack, const Plan& plan);
-/// Thinning where the longest walks are long enough for it to pay.
-[[nodiscard]] Thinning thinning_for(const Stack& stack, const Plan& plan);
-
-/// One line of `lamella explain`.
-struct PlanNote {
-  std::string subject;  ///< "colour", "azimuth", ...
-  std::string decision;
-  std::string reason;
-};
-
-[[nodiscard]] std::vector<PlanNote> explain(const Stack& stack, const Plan& plan);
 
 }  // namespace lamella

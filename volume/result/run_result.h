@@ -5,9 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "volume/plan/plan.h"
 #include "volume/result/cell_grid.h"
+#include "volume/result/estimator.h"
 #include "volume/result/tally.h"
+#include "volume/result/thinning.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {

@@ -15,6 +15,10 @@ inline constexpr int kTallyOrders = 4;
   return events >= kTallyOrders ? kTallyOrders - 1 : static_cast<int>(events) - 1;
 }
 
+/// Walks are dealt out to this many batches, walk i to batch i mod kBatches; standard errors come
+/// from the scatter between them.
+inline constexpr int kBatches = 128;
+
 /// Sums over the walks of a batch of what becomes of the light, per channel, each counted where it
 /// happens: none is what is left of the others.
 struct EnergySums {

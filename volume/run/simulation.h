@@ -14,10 +14,6 @@
 
 namespace lamella {
 
-/// Walks are dealt out to this many batches, walk i to batch i mod kBatches; standard errors come
-/// from the scatter between them.
-inline constexpr int kBatches = 128;
-
 class LaneRun;
 
 /// The walks of one incident direction, through layers or among explicit grains. For a given seed,

@@ -49,7 +49,7 @@ struct PathWeight {
     return true;
   }
 
-  /// Thins (volume/plan/thinning.h): false if the walk ends there, else it counts double. The
+  /// Thins (volume/result/thinning.h): false if the walk ends there, else it counts double. The
   /// ledger keeps what that takes and gives, and sums to 1 still.
   template <class Stream>
   [[nodiscard]] bool is_spared(EnergySums& energy, Stream& stream) {

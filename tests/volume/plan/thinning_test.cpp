@@ -1,6 +1,4 @@
 // Thinning of long walks: its numbers, and walks with it against the deterministic solver.
-#include "volume/plan/thinning.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include "phase/stack/builtin_stacks.h"
 #include "tests/volume/run/stacks.h"
 #include "volume/lanes/lane_run.h"
+#include "volume/plan/longest_walk.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {
@@ -80,7 +79,7 @@ TEST(Thinning, KnowsHowLongTheLongestWalksAre) {
                            "medium = 'sggx'\nroughness = 0.3\nalbedo = 1\nthickness = 20",
                            "medium = 'vmf_flake'\nroughness = 0.5\nalbedo = 1\nthickness = inf"}) {
     const Stack stack = stack_from(layer(keys));
-    const double estimate = longest_walk(stack, make_plan(stack));
+    const double estimate = longest_walk(stack, make_plan(stack).layers);
     const auto left = [&](double events) {
       Plan plan = make_plan(
           stack, {.max_order = static_cast<std::uint64_t>(events), .thinning = Thinning{}});

@@ -22,7 +22,7 @@ struct Thinning {
 
   [[nodiscard]] bool is_on() const { return first != 0; }
 
-  /// How often a walk has been spared that lives on after so many events.
+  /// Halvings that a walk has survived if it is still alive after `events` events.
   [[nodiscard]] unsigned spared(std::uint64_t events) const {
     const std::uint64_t n = events < kLast ? events : kLast;
     if (!is_on() || n < first) return 0;
@@ -31,7 +31,7 @@ struct Thinning {
   [[nodiscard]] bool halves_at(std::uint64_t events) const {
     return events <= kLast && std::has_single_bit(events) && spared(events) != spared(events - 1);
   }
-  /// What a walk counts for that lives on after so many events.
+  /// How many original walks a walk stands for that is still alive after `events` events.
   [[nodiscard]] double weight(std::uint64_t events) const {
     return static_cast<double>(std::uint64_t{1} << spared(events));
   }

@@ -1,6 +1,10 @@
-#include "analytic/model/batch_evaluate.h"
+#pragma once
 
+#include "analytic/model/reflection_angles.h"
 #include "phase/lanes/double_lanes.h"
+
+// How a batch of pairs is evaluated on lanes. Only for sources of lamella_lanes(), see
+// phase/lanes/lanes.h: half_space_lanes.cpp is one.
 
 namespace lamella::LAMELLA_ISA {
 namespace {
@@ -98,15 +102,12 @@ LAMELLA_INLINE void evaluate(const Formula& formula, int channels, const double*
 
 }  // namespace
 
-// Flattened, so that angles which a formula does not ask for are not computed.
-#define LAMELLA_BATCH_FUNCTION(name, Formula)                                           \
+/// Defines a function of a LAMELLA_BATCH_FORMULAS list. Flattened, so that angles which the formula
+/// does not ask for are not computed.
+#define LAMELLA_DEFINE_BATCH_FUNCTION(name, Formula)                                    \
   [[gnu::flatten]] void name(const Formula* formula, int channels, const double* pairs, \
                              double* values, std::size_t count) {                       \
     evaluate(*formula, channels, pairs, values, count);                                 \
   }
-
-LAMELLA_BATCH_FORMULAS(LAMELLA_BATCH_FUNCTION)
-
-#undef LAMELLA_BATCH_FUNCTION
 
 }  // namespace lamella::LAMELLA_ISA

@@ -1,11 +1,7 @@
-// Where thinning pays.
-
-#include "volume/plan/thinning.h"
+#include "volume/plan/longest_walk.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "volume/plan/plan.h"
 
 namespace lamella {
 namespace {
@@ -28,17 +24,17 @@ double passed_on(const Layer& layer) {
 }
 
 // The least of the layers' turns: most of the events of long walks are there.
-double least_turn(const Stack& stack, const Plan& plan) {
+double least_turn(const Stack& stack, std::span<const int> layers) {
   double least = 1;
-  for (const int k : plan.layers) least = std::min(least, turn(stack.layers[k].medium));
+  for (const int k : layers) least = std::min(least, turn(stack.layers[k].medium));
   return least;
 }
 
 }  // namespace
 
-double longest_walk(const Stack& stack, const Plan& plan) {
+double longest_walk(const Stack& stack, std::span<const int> layers) {
   double depth = 0, absorbed = 1, drift = 0;
-  for (const int k : plan.layers) {
+  for (const int k : layers) {
     const Layer& layer = stack.layers[k];
     const double area = (sigma(layer.medium, {0, 0, 1}) + sigma(layer.medium, {0, 0, -1})) / 2;
     depth += layer.depth() * area * turn(layer.medium);
@@ -48,19 +44,19 @@ double longest_walk(const Stack& stack, const Plan& plan) {
                      std::abs(traits(layer.medium).mean_normal.value.z) / std::max(area, 1e-300));
   }
   // Diffusion: as many events as the square of the way.
-  return (1 + 1 / (absorbed + 1 / (depth * depth) + drift * drift)) / least_turn(stack, plan);
+  return (1 + 1 / (absorbed + 1 / (depth * depth) + drift * drift)) / least_turn(stack, layers);
 }
 
-Thinning thinning_of(const Stack& stack, const Plan& plan) {
-  const auto first = static_cast<std::uint32_t>(std::ceil(kFirst / least_turn(stack, plan)));
+Thinning thinning_of(const Stack& stack, std::span<const int> layers) {
+  const auto first = static_cast<std::uint32_t>(std::ceil(kFirst / least_turn(stack, layers)));
   return {std::min(std::bit_ceil(first), kLatestFirst)};
 }
 
-Thinning thinning_for(const Stack& stack, const Plan& plan) {
-  if (plan.layers.empty() || plan.has_grids()) return {};
-  const double longest = longest_walk(stack, plan) * least_turn(stack, plan);
-  if (std::min(longest, static_cast<double>(plan.max_order)) < kLongWalk) return {};
-  return thinning_of(stack, plan);
+Thinning thinning_for(const Stack& stack, std::span<const int> layers, std::uint64_t max_order) {
+  if (layers.empty() || stack.has_grid()) return {};
+  const double longest = longest_walk(stack, layers) * least_turn(stack, layers);
+  if (std::min(longest, static_cast<double>(max_order)) < kLongWalk) return {};
+  return thinning_of(stack, layers);
 }
 
 }  // namespace lamella
