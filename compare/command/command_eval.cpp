@@ -26,7 +26,7 @@ const std::string kStdin = "<stdin>";
 using KeyValues = std::vector<std::pair<std::string, std::string>>;
 
 // The rows of the answer: f per pair, and its standard error where the model is stochastic.
-struct Answer {
+struct CsvAnswer {
   std::vector<Rgb> f;
   std::vector<Rgb> standard_error;
   bool color = false;
@@ -84,8 +84,8 @@ void check_pairs(const DirectionPairs& pairs, const Stack& stack, bool wi_only =
 }
 
 // media.NAME.sigma and media.NAME.phase, with the keys of a layer.
-Answer eval_medium(const std::string& what, const KeyValues& given,
-                   const std::vector<DirectionPair>& pairs) {
+CsvAnswer eval_medium(const std::string& what, const KeyValues& given,
+                      const std::vector<DirectionPair>& pairs) {
   const std::size_t dot = what.rfind('.');
   const std::string name = what.substr(6, dot - 6), part = what.substr(dot + 1);
   const MediumInfo* info = dot > 6 ? find_medium(name) : nullptr;
@@ -104,7 +104,7 @@ Answer eval_medium(const std::string& what, const KeyValues& given,
   infos.push_back({.name = "thickness", .unit = "mm", .doc = "", .min = 0});
   infos.push_back({.name = "density", .unit = "1/mm", .doc = "", .min = 0, .max_open = true});
   Parameters parameters = read_parameters(what, infos, given);
-  Answer answer;
+  CsvAnswer answer;
   answer.color = has_three_values(given);
   try {
     const Medium medium = info->make(parameters);
@@ -133,7 +133,7 @@ void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSol
                worst, a.nodes, a.modes, to_text(tolerance));
 }
 
-Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
+CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
   const auto stack = take_stack(values, "truth", pairs);
   if (!stack)
     throw UsageError(
@@ -188,7 +188,7 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
           fmt::format("truth: key \"seed\": found \"{}\"; allowed: a whole number", *seed));
     with_seed.seed = *number;
   }
-  Answer answer;
+  CsvAnswer answer;
   answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
   catch_interrupts();
   const EstimatorChoice choice = choose_estimator(*stack, with_seed, Estimator::next_event);
@@ -211,9 +211,9 @@ Answer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& 
 }
 
 // MODEL, MODEL.pdf, MODEL.albedo or MODEL.LOBE.
-Answer eval_model(const std::string& what, KeyValues values, const DirectionPairs& pairs) {
+CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionPairs& pairs) {
   std::optional<Stack> stack;
-  Answer answer;
+  CsvAnswer answer;
   answer.color = has_three_values(values);
   // The parts of a model in ./mine.so are named ./mine.so.PART.
   const std::size_t object = what.rfind(".so");
@@ -300,7 +300,7 @@ int eval_command(const Options& options, const std::vector<std::string>& words) 
     pairs = read_pairs(file, options.pairs);
   }
   const std::string& what = words[0];
-  Answer answer;
+  CsvAnswer answer;
   try {
     if (what == "truth")
       answer = eval_truth(split(words), pairs, options);

@@ -78,13 +78,13 @@ std::string text_of(Rgb c) {
   return text;
 }
 
-struct Answer {
+struct CsvAnswer {
   AlbedoInversion inversion;
   Rgb standard_error;  // of the albedo, from a simulation's noise
 };
 
-Answer invert_model(const std::string& name, const ModelInfo& info, const KeyValues& values,
-                    Rgb target, const Options& options, const ClosedFormOptions& closed) {
+CsvAnswer invert_model(const std::string& name, const ModelInfo& info, const KeyValues& values,
+                       Rgb target, const Options& options, const ClosedFormOptions& closed) {
   if (!find(info.parameters, "albedo"))
     throw UsageError(fmt::format(
         "invert: found \"{}\", which has no albedo; allowed: a model with one, or a stack", name));
@@ -105,8 +105,8 @@ Answer invert_model(const std::string& name, const ModelInfo& info, const KeyVal
   return {invert_albedo(color, target, kModelTolerance), Rgb()};
 }
 
-Answer invert_stack(const Stack& stack, Rgb target, const Options& options,
-                    const ClosedFormOptions& closed) {
+CsvAnswer invert_stack(const Stack& stack, Rgb target, const Options& options,
+                       const ClosedFormOptions& closed) {
   const Lighting lighting = lighting_of(options, closed, &stack);
   Options at = options;
   at.incident.clear();
@@ -132,7 +132,7 @@ Answer invert_stack(const Stack& stack, Rgb target, const Options& options,
     return sum;
   };
   // Closer than the noise is no use.
-  Answer answer{invert_albedo(color, target, 1e-5), Rgb()};
+  CsvAnswer answer{invert_albedo(color, target, 1e-5), Rgb()};
   for (int c = 0; c < 3; ++c)
     answer.standard_error[c] = std::sqrt(variance[c]) / answer.inversion.slope[c];
   return answer;
@@ -147,7 +147,7 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
   const Rgb target = take_color(values, what);
   const ModelInfo* info =
       what.ends_with(".so") || find_model(what) ? find_or_load_model(what) : nullptr;
-  Answer answer;
+  CsvAnswer answer;
   try {
     if (info) {
       answer = invert_model(what, *info, values, target, options, closed);

@@ -2,6 +2,7 @@
 
 #include "phase/math/color.h"
 #include "phase/math/sampling.h"
+#include "phase/medium/lambert_event.h"
 #include "phase/medium/phase_function.h"
 
 namespace lamella {
@@ -92,17 +93,7 @@ template <class Ndf>
 struct LambertFlakes {
   Ndf ndf;
 
-  struct Event {
-    Direction normal;
-
-    [[nodiscard]] PhaseValue density(Direction wo) const {
-      return {std::fmax(0, dot(wo, normal)) / kPi, 0};
-    }
-    [[nodiscard]] Scatter sample(RandomStream& stream) const {
-      const double u1 = stream.uniform(), u2 = stream.uniform();
-      return {cosine_hemisphere(normal, u1, u2), 0};
-    }
-  };
+  using Event = LambertEvent;
 
   [[nodiscard]] double sigma(Direction w) const { return ndf.sigma(w); }
   [[nodiscard]] PhaseValue phase(Direction wi, Direction wo) const {

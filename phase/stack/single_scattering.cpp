@@ -69,7 +69,7 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
     tau_o += xo;
   }
   if (stack.substrate && reflects && from_above)
-    result.substrate = std::exp(-tau_i - tau_o) / kPi * stack.substrate->albedo;
+    result.substrate = lambert_radiance(std::exp(-tau_i - tau_o)) * stack.substrate->albedo;
   return result;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "phase/math/direction.h"
+#include "phase/medium/lambert_event.h"
 #include "volume/adding/thin_layer.h"
 
 namespace lamella {
@@ -147,7 +147,7 @@ LayerOperator lambert_substrate(double albedo, const OperatorRules& rules) {
     side->absorbed.setOnes();
   }
   if (rules.mode == 0) {
-    result.above.r[0].setConstant(albedo / kPi);
+    result.above.r[0].setConstant(lambert_radiance(albedo));
     result.above.r[1] = result.above.r[0];
     result.above.absorbed.setConstant(1 - albedo);
   }

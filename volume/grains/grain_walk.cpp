@@ -228,13 +228,8 @@ void Walker<C>::walk(std::uint64_t index) {
       break;
     }
     if (hit.end == RayEnd::up || (hit.end == RayEnd::down && !s_.has_substrate)) {
-      const bool up = hit.end == RayEnd::up;
-      if (order_ == 0) {
-        weight_.add_to(energy.uncollided);
-      } else {
-        weight_.add_to((up ? energy.up : energy.down)[order_slot(order_)]);
-        leave(turned(-wi_, cosine_, -sine_), after_mirror_);
-      }
+      weight_.leave(energy, hit.end == RayEnd::down, order_, false);
+      if (order_ > 0) leave(turned(-wi_, cosine_, -sine_), after_mirror_);
       break;
     }
     if (order_ == s_.max_order) {

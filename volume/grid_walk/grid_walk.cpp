@@ -215,15 +215,6 @@ class GridNextEventScorer {
   bool finite_ = true;
 };
 
-// Lambert's law as an event: what the substrate does.
-struct SubstrateEvent {
-  [[nodiscard]] PhaseValue density(Direction wo) const { return {wo.z > 0 ? wo.z / kPi : 0, 0}; }
-  [[nodiscard]] Scatter sample(RandomStream& stream) const {
-    const double u1 = stream.uniform(), u2 = stream.uniform();
-    return {cosine_hemisphere(Direction{0, 0, 1}, u1, u2), 0};
-  }
-};
-
 // `walk` with a place in the tile: the same ledger, the same chance of survival.
 template <int C, class Scorer>
 void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t seed,
@@ -282,16 +273,8 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
 
     const bool collides = flight.end == Flight::collided;
     if (!endless && !collides && !(down && stack.has_substrate)) {  // leaves the stack
-      if (order == 0) {
-        weight.add_to(energy.uncollided);
-      } else {
-        auto& side = down ? energy.down : energy.up;
-        weight.add_to(side[order_slot(order)]);
-        if (only_delta)
-          weight.add_to(down ? energy.specular_down : energy.specular_up);
-        else
-          scorer.leave(-wi, weight.value, order, last_delta);
-      }
+      weight.leave(energy, down, order, only_delta);
+      if (!only_delta) scorer.leave(-wi, weight.value, order, last_delta);
       break;
     }
     if (endless || order == stack.max_order) {
@@ -306,10 +289,9 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       for (int c = 0; c < C; ++c) kept[c] = stack.substrate_albedo[c];
       at.layer = last;
       at.z = stack.layers[last].thickness;
-      const SubstrateEvent event;
-      scorer.event(at, event, weight.value, nullptr, kept, order, stream);
+      scorer.event(at, kLambertSubstrate, weight.value, nullptr, kept, order, stream);
       if (!weight.survives(kept, order, energy, stream)) break;
-      wi = -event.sample(stream).wo;
+      wi = -kLambertSubstrate.sample(stream).wo;
       continue;
     }
 

@@ -2,6 +2,7 @@
 
 #include "volume/kernel/kernel_modes.h"
 #include "volume/kernel/pair_modes.h"
+#include "volume/quadrature/direction_sets.h"
 
 namespace lamella {
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "volume/plan/plan.h"
 #include "volume/result/run_result.h"
 #include "volume/solver/deterministic.h"
 

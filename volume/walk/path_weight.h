@@ -20,6 +20,17 @@ struct PathWeight {
     for (int c = 0; c < C; ++c) sums[c] += value[c];
   }
 
+  /// Books what leaves the stack, upward or down, after `order` events: as uncollided after none,
+  /// as specular too if they were all deltas.
+  void leave(EnergySums& energy, bool down, std::uint64_t order, bool only_delta) const {
+    if (order == 0) {
+      add_to(energy.uncollided);
+      return;
+    }
+    add_to((down ? energy.down : energy.up)[order_slot(order)]);
+    if (only_delta) add_to(down ? energy.specular_down : energy.specular_up);
+  }
+
   /// Takes the share `kept` of each channel on from an event of that order; false if the walk ends
   /// there. What is not kept is absorbed; from the fourth event on, where the tally no longer tells
   /// orders apart, the walk survives with the largest channel's share only. Either way a walk's

@@ -125,7 +125,7 @@ class NextEventScorer {
       double tau = 0;
       if (!directions_.rate.empty())
         tau = directions_.beyond.back()[j] + last_depth_ * directions_.rate.back()[j];
-      const double transport = std::exp(-tau) / kPi;
+      const double transport = lambert_radiance(std::exp(-tau));
       for (int c = 0; c < C; ++c) sums[c * count + j] += weight[c] * albedo[c] * transport;
     }
   }

@@ -106,16 +106,8 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
     }
 
     if (!collides && !(down && stack.has_substrate)) {  // leaves the stack
-      if (order == 0) {
-        weight.add_to(energy.uncollided);
-      } else {
-        auto& side = down ? energy.down : energy.up;
-        weight.add_to(side[order_slot(order)]);
-        if (only_delta)
-          weight.add_to(down ? energy.specular_down : energy.specular_up);
-        else
-          scorer.leave(-wi, weight.value, order, last_delta);
-      }
+      weight.leave(energy, down, order, only_delta);
+      if (!only_delta) scorer.leave(-wi, weight.value, order, last_delta);
       break;
     }
     if (order == stack.max_order) {
@@ -131,8 +123,7 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
       scorer.substrate(weight.value, kept, order);
       if (!weight.survives(kept, order, energy, stream)) break;
       if (stack.thinning.halves_at(order) && !weight.is_spared(energy, stream)) break;
-      const double u1 = stream.uniform(), u2 = stream.uniform();
-      wi = -cosine_hemisphere(Direction{0, 0, 1}, u1, u2);
+      wi = -kLambertSubstrate.sample(stream).wo;
       layer = last;
       if (last >= 0) y = stack.layers[last].depth;
       continue;
