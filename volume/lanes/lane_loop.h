@@ -60,174 +60,242 @@ template <int C>
   all[0].free_count -= count;
 }
 
-/// The walks of a task. The numbers of a walk are those of (seed, walk), so that it does not matter
-/// when and where it happens.
-template <int C, class Set, class Score>
-[[gnu::noinline]] void walks_of(const LaneWalkTask& t, const Score& score) {
-  const Set set(t.walk);
-  const Vec3<Floats> incident{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
-  LanePool<C, Set, Score> pool;
-  using Ended = EndedWalks<C, Score::kUsesIndex>;
-  Ended ended;
-  std::uint64_t steps = 0, carried = 0, events_met = 0, reflected = 0;
+/// What a loop of walks has met, over all of its steps.
+struct LoopTotals {
+  std::uint64_t steps = 0;        ///< of sets
+  std::uint64_t carried = 0;      ///< lanes that had a walk at a step
+  std::uint64_t events = 0;       ///< where collisions may be null
+  std::uint64_t reflections = 0;  ///< at the substrate
   // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
   // event wrong with z, and at the last one count_all sees it, unless the walk was absorbed by it
   // and went nowhere. Depths follow: they are never 0 times infinity, as 1 / sigma and lengths of
   // flights are finite.
-  Floats poison(0);
-  using Walks = LaneWalks<C>;
-  Walks all[kSets];
-  for (Walks& w : all) {
-    w.state.wi = incident;
-    w.state.y = Floats(0);
-    w.state.layer = w.state.order = w.state.index = Words(0u);
-    w.state.numbers.s[0] = w.state.numbers.s[1] = Words(0u);
-    w.state.numbers.s[2] = w.state.numbers.s[3] = Words(0u);
-    w.state.death = Words(1u);
-    for (Floats& weight : w.state.weight) weight = Floats(1);
-    w.free = first_lanes<float>(kLanes);
-    w.free_count = kLanes;
+  Floats poison{0};
+};
+
+/// What every step of a loop of walks works with.
+template <int C, class Set, class Score>
+struct LoopSetting {
+  const LaneWalkTask& task;
+  const Set& set;
+  const Score& score;
+  Vec3<Floats> incident;
+  /// Whether what roulette ended is all alike: then no one looks at it, it is the rest.
+  bool absorbs;
+  FloatMask tells_gone;  ///< no lane where it absorbs, else every lane
+
+  using Pool = LanePool<C, Set, Score>;
+  using Ended = EndedWalks<C, Score::kUsesIndex>;
+};
+
+/// Lanes without a walk yet.
+template <int C>
+LAMELLA_INLINE void empty(LaneWalks<C>& walks, Vec3<Floats> incident) {
+  LaneState<Floats, C>& w = walks.state;
+  w.wi = incident;
+  w.y = Floats(0);
+  w.layer = w.order = w.index = Words(0u);
+  w.numbers.s[0] = w.numbers.s[1] = Words(0u);
+  w.numbers.s[2] = w.numbers.s[3] = Words(0u);
+  w.death = Words(1u);
+  for (Floats& weight : w.weight) weight = Floats(1);
+  walks.free = first_lanes<float>(kLanes);
+  walks.free_count = kLanes;
+}
+
+/// Gives walks of the pool to the lanes `take`, the first of them those of place `rank`.
+template <int C, class Pool>
+LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Floats, C>& w,
+                           FloatMask take, Words rank) {
+  const WordMask words = to_word_mask(take);
+  const auto word = [&](const std::uint32_t* from, Words old) LAMELLA_INLINE_LAMBDA {
+    return select(words, permute(Words::load(from + pool.from), rank), old);
+  };
+  for (int k = 0; k < 4; ++k) w.numbers.s[k] = word(pool.numbers[k], w.numbers.s[k]);
+  if constexpr (Pool::kIndex) w.index = word(pool.index, w.index);
+  w.death = word(pool.death, w.death);
+  if constexpr (Pool::kLayer) w.layer = word(pool.layer, w.layer);
+  w.y = select(take, permute(Floats::load(pool.y + pool.from), rank), w.y);
+  w.order = select(words, Words(0u), w.order);
+  if constexpr (C > 0)
+    for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
+  w.wi = select(take, incident, w.wi);
+}
+
+/// Hands walks that ended at a step over to `ended` and frees their lanes. kFull: every lane had a
+/// walk.
+template <bool kFull, int C, class Set, class Score>
+LAMELLA_INLINE void count_ends(const LoopSetting<C, Set, Score>& s, LaneWalks<C>& walks,
+                               const LaneEnds<Floats>& now, FloatMask active,
+                               typename LoopSetting<C, Set, Score>::Ended& ended,
+                               LoopTotals& totals) {
+  using Ended = typename LoopSetting<C, Set, Score>::Ended;
+  LaneState<Floats, C>& w = walks.state;
+  totals.poison = multiply_add(w.wi.z, Floats(0), totals.poison);
+  FloatMask tells = now.ends;
+  if constexpr (C == 0) tells = now.ends & (now.lives | s.tells_gone);
+  Words events = shift_left<Ended::kBits>(w.order);
+  events = select(to_word_mask(now.gone), events | Words(1u), events);
+  if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
+  const int at = ended.size;
+  store_compressed(events, tells, ended.events + at);
+  if constexpr (Score::kUsesIndex)
+    if (s.task.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
+  store_compressed(w.wi.z, tells, ended.z + at);
+  if (s.task.estimate == LaneEstimate::cells_counted) {
+    store_compressed(w.wi.x, tells, ended.x + at);
+    store_compressed(w.wi.y, tells, ended.y + at);
   }
+  if constexpr (C > 0)
+    for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
+  const int fallen = count(now.ends);
+  ended.size += C == 0 ? count(tells) : fallen;
+  if constexpr (kFull) {
+    walks.free = now.ends;
+    walks.free_count = fallen;
+  } else {
+    walks.free = walks.free | now.ends;
+    walks.free_count += fallen;
+  }
+  totals.carried += static_cast<std::uint64_t>(kFull ? kLanes : count(active));
+  if constexpr (Set::kNull) totals.events += static_cast<std::uint64_t>(count(now.events));
+  if constexpr (!Set::kSingle)
+    totals.reflections += static_cast<std::uint64_t>(count(now.reflections));
+}
 
-  // Gives walks to the lanes `take`, the first of them those of place `rank`.
-  const auto refill = [&](LaneState<Floats, C>& w, FloatMask take,
-                          Words rank) LAMELLA_INLINE_LAMBDA {
-    const WordMask words = to_word_mask(take);
-    const auto word = [&](const std::uint32_t* from, Words old) LAMELLA_INLINE_LAMBDA {
-      return select(words, permute(Words::load(from + pool.from), rank), old);
-    };
-    for (int k = 0; k < 4; ++k) w.numbers.s[k] = word(pool.numbers[k], w.numbers.s[k]);
-    if constexpr (pool.kIndex) w.index = word(pool.index, w.index);
-    w.death = word(pool.death, w.death);
-    if constexpr (pool.kLayer) w.layer = word(pool.layer, w.layer);
-    w.y = select(take, permute(Floats::load(pool.y + pool.from), rank), w.y);
-    w.order = select(words, Words(0u), w.order);
-    if constexpr (C > 0)
-      for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
-    w.wi = select(take, incident, w.wi);
-  };
+/// Walks in one layer for as long as there are new ones for every lane: all sets take one part of
+/// a step after the other.
+template <int C, class Set, class Score>
+LAMELLA_INLINE void lockstep(const LoopSetting<C, Set, Score>& s,
+                             typename LoopSetting<C, Set, Score>::Pool& pool,
+                             LaneWalks<C> (&all)[kSets],
+                             typename LoopSetting<C, Set, Score>::Ended& ended,
+                             LoopTotals& totals) {
+  using Ended = typename LoopSetting<C, Set, Score>::Ended;
+  const LaneWalkTask& t = s.task;
+  for (;;) {
+    constexpr int kMost = kSets * kLanes;
+    if (pool.to - pool.from < kMost) pool.fill(t, s.set);
+    if (pool.to - pool.from < kMost) break;
+#pragma GCC unroll 4
+    for (LaneWalks<C>& w : all) {
+      refill(pool, s.incident, w.state, w.free, rank_of(w.free));
+      pool.from += w.free_count;
+    }
+    LaneDraws<Floats> draws[kSets];
+    LaneEnds<Floats> now[kSets];
+    const FloatMask every = first_lanes<float>(kLanes);
+#pragma GCC unroll 4
+    for (int k = 0; k < kSets; ++k) draw(s.set, all[k].state, draws[k]);
+#pragma GCC unroll 4
+    for (int k = 0; k < kSets; ++k)
+      now[k] = scatter<C, true>(t.walk, s.set, all[k].state, draws[k], every, s.score);
+#pragma GCC unroll 4
+    for (int k = 0; k < kSets; ++k) fly<C, true>(s.set, all[k].state, draws[k], every, now[k]);
+#pragma GCC unroll 4
+    for (int k = 0; k < kSets; ++k) count_ends<true>(s, all[k], now[k], every, ended, totals);
+    if (ended.size >= Ended::kSize) ended.count_all(t);
+    totals.steps += kSets;
+  }
+}
 
-  // What roulette ended is then all alike, and no one looks at it: it is the rest.
+/// Gives new walks to free lanes, while there are any; how many walks are on their way then.
+template <int C, class Set, class Score>
+LAMELLA_INLINE int take_walks(const LoopSetting<C, Set, Score>& s,
+                              typename LoopSetting<C, Set, Score>::Pool& pool,
+                              LaneWalks<C> (&all)[kSets]) {
+  int walking = 0;
+  for (LaneWalks<C>& w : all) {
+    const int available = pool.to - pool.from;
+    const Words rank = rank_of(w.free);
+    FloatMask take = w.free;
+    if (available < kLanes)
+      take = take & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(available))));
+    refill(pool, s.incident, w.state, take, rank);
+    const int taken = count(take);
+    pool.from += taken;
+    if (pool.to - pool.from < kLanes) pool.fill(s.task, s.set);
+    w.free = without(w.free, take);
+    w.free_count -= taken;
+    walking += kLanes - w.free_count;
+  }
+  return walking;
+}
+
+/// One step of all sets, one set after the other.
+template <int C, class Set, class Score>
+LAMELLA_INLINE void set_by_set(const LoopSetting<C, Set, Score>& s, LaneWalks<C> (&all)[kSets],
+                               typename LoopSetting<C, Set, Score>::Ended& ended,
+                               LoopTotals& totals) {
+  for (LaneWalks<C>& w : all) {
+    if (w.free_count == kLanes) continue;
+    const FloatMask active = !w.free;
+    count_ends<false>(s, w, step(s.task.walk, s.set, w.state, active, s.score), active, ended,
+                      totals);
+    ++totals.steps;
+  }
+}
+
+/// One step of all sets through several layers: their flights cross layers by turns.
+template <int C, class Set, class Score>
+LAMELLA_INLINE void by_turns(const LoopSetting<C, Set, Score>& s, LaneWalks<C> (&all)[kSets],
+                             typename LoopSetting<C, Set, Score>::Ended& ended,
+                             LoopTotals& totals) {
+  typename Set::Flight flights[kSets];
+  LaneEnds<Floats> now[kSets];
+  for (int k = 0; k < kSets; ++k) {
+    const FloatMask active = !all[k].free;
+    flights[k].flies = without(active, active);
+    if (all[k].free_count == kLanes) continue;
+    LaneState<Floats, C>& w = all[k].state;
+    LaneDraws<Floats> draws;
+    draw(s.set, w, draws);
+    now[k] = scatter(s.task.walk, s.set, w, draws, active, s.score);
+    flights[k] = s.set.begin_flight(w.wi, draws.remaining, active & now[k].lives, w.layer, w.y);
+  }
+  for (bool flying = true; flying;) {
+    flying = false;
+    for (int k = 0; k < kSets; ++k) {
+      LaneState<Floats, C>& w = all[k].state;
+      if (any(flights[k].flies)) flying |= s.set.cross(flights[k], w.wi, w.layer, w.y);
+    }
+  }
+  for (int k = 0; k < kSets; ++k) {
+    if (all[k].free_count == kLanes) continue;
+    const FloatMask active = !all[k].free;
+    now[k].ends = without(active, flights[k].collides);
+    count_ends<false>(s, all[k], now[k], active, ended, totals);
+    ++totals.steps;
+  }
+}
+
+/// The walks of a task. The numbers of a walk are those of (seed, walk), so that it does not matter
+/// when and where it happens.
+template <int C, class Set, class Score>
+[[gnu::noinline]] void walks_of(const LaneWalkTask& t, const Score& score) {
+  using Setting = LoopSetting<C, Set, Score>;
+  using Ended = typename Setting::Ended;
+  const Set set(t.walk);
   const bool absorbs = C == 0 && t.walk.ends_absorb && t.batch_count == 1;
-  const FloatMask tells_gone = first_lanes<float>(absorbs ? 0 : kLanes);
-
-  const auto count_ends = [&](Walks& walks, const LaneEnds<Floats>& now, FloatMask active,
-                              auto full) LAMELLA_INLINE_LAMBDA {
-    LaneState<Floats, C>& w = walks.state;
-    poison = multiply_add(w.wi.z, Floats(0), poison);
-    FloatMask tells = now.ends;
-    if constexpr (C == 0) tells = now.ends & (now.lives | tells_gone);
-    Words events = shift_left<Ended::kBits>(w.order);
-    events = select(to_word_mask(now.gone), events | Words(1u), events);
-    if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
-    const int at = ended.size;
-    store_compressed(events, tells, ended.events + at);
-    if constexpr (Score::kUsesIndex)
-      if (t.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
-    store_compressed(w.wi.z, tells, ended.z + at);
-    if (t.estimate == LaneEstimate::cells_counted) {
-      store_compressed(w.wi.x, tells, ended.x + at);
-      store_compressed(w.wi.y, tells, ended.y + at);
-    }
-    if constexpr (C > 0)
-      for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
-    const int fallen = count(now.ends);
-    ended.size += C == 0 ? count(tells) : fallen;
-    if constexpr (full) {
-      walks.free = now.ends;
-      walks.free_count = fallen;
-    } else {
-      walks.free = walks.free | now.ends;
-      walks.free_count += fallen;
-    }
-    carried += static_cast<std::uint64_t>(full ? kLanes : count(active));
-    if constexpr (Set::kNull) events_met += static_cast<std::uint64_t>(count(now.events));
-    if constexpr (!Set::kSingle) reflected += static_cast<std::uint64_t>(count(now.reflections));
-  };
+  const Setting s{t,       set,
+                  score,   {Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])},
+                  absorbs, first_lanes<float>(absorbs ? 0 : kLanes)};
+  typename Setting::Pool pool;
+  Ended ended;
+  LoopTotals totals;
+  LaneWalks<C> all[kSets];
+  for (LaneWalks<C>& w : all) empty(w, s.incident);
 
   pool.fill(t, set);
-  // As long as there are new walks every lane has one.
-  if constexpr (Set::kSingle) {
-    for (;;) {
-      constexpr int kMost = kSets * kLanes;
-      if (pool.to - pool.from < kMost) pool.fill(t, set);
-      if (pool.to - pool.from < kMost) break;
-#pragma GCC unroll 4
-      for (Walks& w : all) {
-        refill(w.state, w.free, rank_of(w.free));
-        pool.from += w.free_count;
-      }
-      // One part of a step after the other, each for all sets.
-      LaneDraws<Floats> draws[kSets];
-      LaneEnds<Floats> now[kSets];
-      const FloatMask every = first_lanes<float>(kLanes);
-#pragma GCC unroll 4
-      for (int k = 0; k < kSets; ++k) draw(set, all[k].state, draws[k]);
-#pragma GCC unroll 4
-      for (int k = 0; k < kSets; ++k)
-        now[k] = scatter<C, true>(t.walk, set, all[k].state, draws[k], every, score);
-#pragma GCC unroll 4
-      for (int k = 0; k < kSets; ++k) fly<C, true>(set, all[k].state, draws[k], every, now[k]);
-#pragma GCC unroll 4
-      for (int k = 0; k < kSets; ++k) count_ends(all[k], now[k], every, std::true_type{});
-      if (ended.size >= Ended::kSize) ended.count_all(t);
-      steps += kSets;
-    }
-  }
+  if constexpr (Set::kSingle) lockstep(s, pool, all, ended, totals);
   for (;;) {
-    int walking = 0;
-    for (Walks& w : all) {
-      const int available = pool.to - pool.from;
-      const Words rank = rank_of(w.free);
-      FloatMask take = w.free;
-      if (available < kLanes)
-        take = take & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(available))));
-      refill(w.state, take, rank);
-      const int taken = count(take);
-      pool.from += taken;
-      if (pool.to - pool.from < kLanes) pool.fill(t, set);
-      w.free = without(w.free, take);
-      w.free_count -= taken;
-      walking += kLanes - w.free_count;
-    }
+    const int walking = take_walks(s, pool, all);
     if (walking == 0) break;
     if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
-    if constexpr (Set::kSingle) {
-      for (Walks& w : all) {
-        if (w.free_count == kLanes) continue;
-        const FloatMask active = !w.free;
-        count_ends(w, step(t.walk, set, w.state, active, score), active, std::false_type{});
-        ++steps;
-      }
-    } else {
-      // Flights of all sets cross layers by turns.
-      typename Set::Flight flights[kSets];
-      LaneEnds<Floats> now[kSets];
-      for (int k = 0; k < kSets; ++k) {
-        const FloatMask active = !all[k].free;
-        flights[k].flies = without(active, active);
-        if (all[k].free_count == kLanes) continue;
-        LaneState<Floats, C>& w = all[k].state;
-        LaneDraws<Floats> draws;
-        draw(set, w, draws);
-        now[k] = scatter(t.walk, set, w, draws, active, score);
-        flights[k] = set.begin_flight(w.wi, draws.remaining, active & now[k].lives, w.layer, w.y);
-      }
-      for (bool flying = true; flying;) {
-        flying = false;
-        for (int k = 0; k < kSets; ++k) {
-          LaneState<Floats, C>& w = all[k].state;
-          if (any(flights[k].flies)) flying |= set.cross(flights[k], w.wi, w.layer, w.y);
-        }
-      }
-      for (int k = 0; k < kSets; ++k) {
-        if (all[k].free_count == kLanes) continue;
-        const FloatMask active = !all[k].free;
-        now[k].ends = without(active, flights[k].collides);
-        count_ends(all[k], now[k], active, std::false_type{});
-        ++steps;
-      }
-    }
+    if constexpr (Set::kSingle)
+      set_by_set(s, all, ended, totals);
+    else
+      by_turns(s, all, ended, totals);
     if (ended.size >= Ended::kSize) ended.count_all(t);
   }
   ended.count_all(t);
@@ -236,11 +304,11 @@ template <int C, class Set, class Score>
   if (absorbs)
     sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
   score.finish();
-  sums.lane_steps += steps * static_cast<std::uint64_t>(kLanes);
-  sums.busy_lane_steps += carried;
-  sums.events += Set::kNull ? events_met : carried;
-  sums.reflections += reflected;
-  sums.finite = sums.finite && ended.finite && !any(!equal(poison, Floats(0)));
+  sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
+  sums.busy_lane_steps += totals.carried;
+  sums.events += Set::kNull ? totals.events : totals.carried;
+  sums.reflections += totals.reflections;
+  sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
 }
 
 }  // namespace lamella::LAMELLA_ISA
