@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "phase/medium/medium.h"
+#include "phase/parameters/parameters.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella::testing {
