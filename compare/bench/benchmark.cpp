@@ -1,12 +1,8 @@
 #include "compare/bench/benchmark.h"
 
-#include <time.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
@@ -31,18 +27,6 @@ Json to_json(const BenchmarkRow& row) {
   return out;
 }
 
-double InterleavedTimes::total_first() const {
-  return std::accumulate(first.begin(), first.end(), 0.0);
-}
-
-double InterleavedTimes::median_ratio() const {
-  std::vector<double> ratios;
-  for (std::size_t k = 0; k < first.size(); ++k) ratios.push_back(second[k] / first[k]);
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
-}
-
 double noise_of(const LobeEstimate& lobe) {
   double noise = 0, signal = 0;
   for (std::size_t k = 0; k < lobe.value.size(); ++k) {
@@ -52,41 +36,12 @@ double noise_of(const LobeEstimate& lobe) {
   return signal > 0 ? std::sqrt(noise / signal) : 0;
 }
 
-double seconds_of(const std::function<void()>& f) {
-  const auto now = [] {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  };
-  const double start = now();
-  f();
-  return now() - start;
-}
-
 double advance_for(Simulation& simulation, double seconds) {
   double taken = 0;
   for (std::uint64_t walks = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
        taken < seconds; walks *= 2)
     taken += seconds_of([&] { simulation.advance(walks); });
   return taken;
-}
-
-double wall_seconds_of(const std::function<void()>& f) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  f();
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-InterleavedTimes interleave(int repetitions, const std::function<void()>& first,
-                            const std::function<void()>& second,
-                            double (*clock)(const std::function<void()>&)) {
-  InterleavedTimes times;
-  for (int k = 0; k < repetitions; ++k) {
-    times.first.push_back(clock(first));
-    times.second.push_back(clock(second));
-  }
-  return times;
 }
 
 const std::vector<BenchmarkStack>& benchmark_stacks() {

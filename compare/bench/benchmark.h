@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "compare/bench/textbook_walk.h"
-#include "compare/options/options.h"
 #include "compare/request/model_request.h"
+#include "compare/request/stopwatch.h"
+#include "volume/run/simulation.h"
 
 namespace lamella {
 
@@ -45,26 +46,8 @@ struct BenchmarkEffort {
 /// Relative root mean square of the cells' standard errors.
 [[nodiscard]] double noise_of(const LobeEstimate& lobe);
 
-/// Seconds that the calling thread computed during one call: what other programs take from it does
-/// not count.
-[[nodiscard]] double seconds_of(const std::function<void()>& f);
-
 /// Walks at doubling numbers until so many seconds are spent; those that were.
 double advance_for(Simulation& simulation, double seconds);
-
-/// Seconds by the clock on the wall, for what runs in many threads.
-[[nodiscard]] double wall_seconds_of(const std::function<void()>& f);
-
-/// Seconds per repetition of two alternating programs.
-struct InterleavedTimes {
-  std::vector<double> first, second;
-  [[nodiscard]] double total_first() const;
-  /// Median over the repetitions of second / first: how many times faster the first is.
-  [[nodiscard]] double median_ratio() const;
-};
-[[nodiscard]] InterleavedTimes interleave(
-    int repetitions, const std::function<void()>& first, const std::function<void()>& second,
-    double (*clock)(const std::function<void()>&) = seconds_of);
 
 /// A stack of the walk rows and the textbook loop of the same physics.
 struct BenchmarkStack {

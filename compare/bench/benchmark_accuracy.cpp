@@ -4,6 +4,7 @@
 #include <map>
 
 #include "compare/bench/benchmark.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 #include "volume/solver/deterministic_run.h"
 

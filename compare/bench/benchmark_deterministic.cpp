@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compare/bench/benchmark.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/solver/deterministic_run.h"

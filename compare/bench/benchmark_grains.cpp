@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "compare/bench/benchmark.h"
+#include "compare/request/stopwatch.h"
 #include "phase/math/sampling.h"
 #include "phase/stack/builtin_stacks.h"
 #include "volume/grains/grain_scene.h"

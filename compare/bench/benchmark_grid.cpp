@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "compare/bench/benchmark.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/stack_file.h"
 #include "volume/voxels/density_grid.h"
 

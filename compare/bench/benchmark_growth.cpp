@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "compare/bench/benchmark.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {

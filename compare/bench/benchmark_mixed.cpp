@@ -6,6 +6,7 @@
 
 #include "compare/bench/benchmark.h"
 #include "compare/bench/lane_sorting.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/stack_file.h"
 #include "volume/run/simulation.h"
 

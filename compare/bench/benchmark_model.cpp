@@ -6,6 +6,8 @@
 
 #include "compare/bench/benchmark.h"
 #include "compare/bench/textbook_models.h"
+#include "compare/request/model_request.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 
 namespace lamella {
@@ -135,7 +137,7 @@ void measure_models(const BenchmarkEffort& effort, std::uint64_t seed, const Rep
   for (const BenchmarkStack& entry : benchmark_stacks()) {
     const Stack claimed = load_stack(entry.name);
     const auto is_new = [&](const BoundModel& b) { return !judged.contains(b.info->name); };
-    const std::vector<BoundModel> claimants = models_for(Options{}, claimed);
+    const std::vector<BoundModel> claimants = models_for({}, claimed);
     if (std::none_of(claimants.begin(), claimants.end(), is_new)) continue;
     for (JudgedClosedForm& form :
          one.execute([&] { return judged_closed_forms(claimed, effort, seed); })) {

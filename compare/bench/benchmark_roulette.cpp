@@ -5,6 +5,7 @@
 
 #include "compare/bench/benchmark.h"
 #include "compare/bench/textbook_walk.h"
+#include "compare/request/stopwatch.h"
 
 namespace lamella {
 namespace {

@@ -2,7 +2,10 @@
 
 #include "compare/command/command.h"
 #include "compare/judge/accuracy_table.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/run_monitor.h"
 
 namespace lamella {
 namespace {
@@ -13,17 +16,17 @@ using Json = nlohmann::ordered_json;
 
 int accuracy_command(const Options& options) {
   std::FILE* out = table_stream(options);
-  Json answer = json_header("accuracy", options);
+  Json answer = json_header("accuracy", options.seed, isa_of(options));
   answer["tolerance"] = options.tolerance;
   answer["quick"] = options.quick;
   Json rows = Json::array();
-  catch_interrupts();
   if (!options.quiet)
     fmt::print(out,
                "| stack | model | 0° | 30° | 60° | 80° | energy off | truth within |\n"
                "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
   std::string family;
-  measure_model_accuracy(options.quick, options.tolerance, [&](const ModelAccuracy& row) {
+  const RunMonitor monitor = terminal_monitor(options);
+  measure_model_accuracy(options.quick, options.tolerance, monitor, [&](const ModelAccuracy& row) {
     if (!options.quiet) {
       if (row.family != family) fmt::print(out, "| **{}** | | | | | | | |\n", row.family);
       fmt::print(out, "| {} | `{}` |", row.stack, row.model);
@@ -39,9 +42,9 @@ int accuracy_command(const Options& options) {
                     {"energy_off", row.energy_off},
                     {"truth_bound", row.bound}});
   });
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["rows"] = std::move(rows);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -5,8 +5,10 @@
 #include "compare/bench/benchmark.h"
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/request/interrupt.h"
 
 namespace lamella {
 namespace {
@@ -105,18 +107,19 @@ int bench_command(const Options& options) {
   for (const BenchPart& part : parts()) {
     const bool wanted = options.only.empty() || std::find(options.only.begin(), options.only.end(),
                                                           part.name) != options.only.end();
-    if (!wanted || interrupted) continue;
+    if (!wanted || user_interrupt) continue;
     part.measure(effort, options.seed, report);
     measured.emplace_back(part.name);
   }
-  Json answer = json_header("bench", options);
+  Json answer = json_header("bench", options.seed, isa_of(options));
   answer["quick"] = options.quick;
   answer["solver_seconds"] = effort.solver_seconds;
   answer["parts"] = measured;
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["rows"] = std::move(rows);
-  write_html(answer, "Speed against error", options);
-  write_json(answer, options);
+  if (!options.html.empty())
+    write_report_page(options.html, "Speed against error", answer, nullptr);
+  write_json(answer, options.json);
   return kDone;
 }
 

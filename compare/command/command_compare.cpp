@@ -5,14 +5,19 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/judge/judgement.h"
 #include "compare/judge/side_by_side.h"
+#include "compare/options/progress.h"
 #include "compare/preview/preview_views.h"
 #include "compare/report/compare_page.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
 #include "compare/report/report_page.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "phase/math/degrees.h"
 
 namespace lamella {
 namespace {
@@ -144,12 +149,12 @@ bool is_too_far(const std::vector<JudgedModel>& models, const Options& options) 
 
 // What a preview costs is not what the comparison may cost: the solver where it applies, whatever
 // counted the lobes, else walks enough for a picture.
-Options preview_options(const Options& options) {
+TruthRequest preview_request(const TruthRequest& request) {
   constexpr std::uint64_t kPreviewWalks = 10000;
-  Options preview = options;
-  preview.estimator = "auto";
-  preview.walk_options.clear();
-  preview.walks = std::min(options.walks, kPreviewWalks);
+  TruthRequest preview = request;
+  preview.estimator.reset();
+  preview.given.clear();
+  preview.effort.walks = std::min(request.effort.walks, kPreviewWalks);
   return preview;
 }
 
@@ -170,11 +175,12 @@ Json page_details(const std::vector<RunResult>& runs, std::vector<JudgedModel>& 
 }  // namespace
 
 int compare_command(const Options& options) {
-  const Stack stack = stack_of(options);
+  const TruthRequest request = truth_request(options, stack_of(options));
+  const Stack& stack = request.stack;
   const bool previewed = options.preview && !options.answer_only;
   if (previewed) check_preview("compare --preview", stack);
-  GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
-  const std::vector<BoundModel> models = models_for(options, stack);
+  GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
+  const std::vector<BoundModel> models = models_for(model_requests(options), stack);
   const std::vector<std::string> names = distinct_names(models);
   std::vector<JudgedModel> judged;
   for (std::size_t m = 0; m < models.size(); ++m)
@@ -196,16 +202,16 @@ int compare_command(const Options& options) {
   decide(all);
 
   std::vector<SideBySide> beside;
-  if (stack.grains() && !interrupted) beside = side_by_side(stack, runs, options);
-  Json answer = json_header("compare", stack, options);
-  add_choice(answer, truth.choice(), options);
+  if (stack.grains() && !user_interrupt) beside = side_by_side(request, runs, &user_interrupt);
+  Json answer = json_header("compare", request);
+  add_choice(answer, truth.choice(), request);
   answer["walks"] = runs.front().walks;
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["models"] = models_json(judged);
   if (!beside.empty()) answer["side_by_side"] = to_json(beside);
   const int status = is_too_far(judged, options) ? kFailed : kDone;
   if (options.answer_only) {
-    write_json(answer, options);
+    write_json(answer, options.json);
     return status;
   }
 
@@ -214,24 +220,25 @@ int compare_command(const Options& options) {
                   runs.front().is_bounded()
                       ? ""
                       : fmt::format("{} walks per direction, ", runs.front().walks),
-                  estimator_text(truth.choice(), options),
+                  estimator_text(truth.choice(), request),
                   truth.plan().channels == 3 ? "; energies are means over r, g, b" : "") +
       table(judged) + (beside.empty() ? "" : side_by_side_table(beside));
   int pictures = 0;
   for (const JudgedModel& m : judged) {
     write_exr(folder + "/" + m.name + ".exr",
-              comparison_image(stack, runs, m.lobes, options, to_request(*m.bound)));
+              comparison_image(request, runs, m.lobes, to_request(*m.bound)));
     pictures += write_comparison_pictures(folder, m.name, stack.name, runs, m.lobes);
   }
-  write_exr(folder + "/truth.exr", simulation_image(stack, runs, options));
+  write_exr(folder + "/truth.exr", simulation_image(request, runs));
   Json details = page_details(runs, judged);
-  if (previewed && !interrupted) {
-    const LobeTable lobes = LobeTable::make(stack, preview_options(options));
+  if (previewed && !user_interrupt) {
+    const LobeTable lobes = LobeTable::make(preview_request(request), &user_interrupt);
+    const PreviewLighting lighting;
     const std::vector<PreviewResult> views =
-        preview_views(lobes, models, names, PreviewLighting{}, options.size);
-    write_preview_files(folder + "/preview_", views, lobes, stack, options);
+        preview_views(lobes, models, names, lighting, options.size, &user_interrupt);
+    write_preview_files(folder + "/preview_", views, lobes, stack, lighting);
     answer["previews"] = to_json(views);
-    details["previews"] = preview_page_details(views, lobes, options);
+    details["previews"] = preview_page_details(views, lobes, lighting);
     summary += fmt::format("\npreview: truth by {}\n{}", lobes.source(), preview_table(views));
   }
   write_file(folder + "/report.json", answer.dump(2) + "\n");
@@ -242,13 +249,13 @@ int compare_command(const Options& options) {
     std::FILE* out = table_stream(options);
     fmt::print(out, "{}", summary);
     if (judged.empty()) fmt::print(out, "no closed form applies to this stack (see --model)\n");
-    if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
+    if (user_interrupt) fmt::print(out, "interrupted: what was done until then\n");
     fmt::print(out,
                "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
                "summary.txt{} and {} error maps (*.png)\n",
                folder, previewed ? ", previews (preview_*.exr, .png)" : "", pictures);
   }
-  write_json(answer, options);
+  write_json(answer, options.json);
   return status;
 }
 

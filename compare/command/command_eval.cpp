@@ -11,8 +11,12 @@
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
 #include "compare/request/direction_pairs.h"
+#include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
+#include "compare/request/numbers.h"
 #include "compare/request/substrate_model.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/point_truth.h"
 #include "phase/medium/media.h"
@@ -23,25 +27,12 @@ namespace {
 
 const std::string kStdin = "<stdin>";
 
-using KeyValues = std::vector<std::pair<std::string, std::string>>;
-
 // The rows of the answer: f per pair, and its standard error where the model is stochastic.
 struct CsvAnswer {
   std::vector<Rgb> f;
   std::vector<Rgb> standard_error;
   bool color = false;
 };
-
-KeyValues split(const std::vector<std::string>& words) {
-  KeyValues values;
-  for (std::size_t k = 1; k < words.size(); ++k) {
-    const std::size_t equals = words[k].find('=');
-    if (equals == std::string::npos)
-      throw UsageError(fmt::format("{}: found \"{}\"; allowed: key=value", words[0], words[k]));
-    values.emplace_back(words[k].substr(0, equals), words[k].substr(equals + 1));
-  }
-  return values;
-}
 
 std::optional<std::string> take(KeyValues& values, const std::string& key) {
   for (auto it = values.begin(); it != values.end(); ++it)
@@ -159,52 +150,52 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
         "time (seconds of estimator=deterministic)",
         values[0].first));
   check_pairs(pairs, *stack);
-  Options with_seed = options;
-  with_seed.estimator = estimator.value_or("auto");
+  TruthRequest request = truth_request(options, *stack);
+  request.estimator = parse_estimator(estimator.value_or("auto"));
   if (walks) {
-    with_seed.walks = parse_walks(*walks);
-    with_seed.walk_options.insert(with_seed.walk_options.begin(), "walks");
+    request.effort.walks = parse_walks(*walks);
+    request.given.insert(request.given.begin(), WalkSetting::walks);
   }
   if (tolerance) {
     const auto number = parse_number(*tolerance);
     if (!number || !(*number > 0) || std::isinf(*number))
       throw UsageError(fmt::format(
           "truth: key \"tolerance\": found \"{}\"; allowed: a number in (0, inf)", *tolerance));
-    with_seed.tolerance = *number;
+    request.tolerance = *number;
   }
   if (seconds) {
     const auto number = parse_number(*seconds);
-    if (with_seed.estimator != "deterministic" || !number || !(*number > 0))
+    if (request.estimator != Estimator::deterministic || !number || !(*number > 0))
       throw UsageError(
           fmt::format("truth: key \"time\": found \"{}\" with estimator={}; allowed: a number of "
                       "seconds above 0 with estimator=deterministic",
-                      *seconds, with_seed.estimator));
-    with_seed.seconds = *number;
+                      *seconds, estimator_asked(request)));
+    request.effort.seconds = *number;
   }
   if (seed) {
     const auto number = parse_whole_number(*seed);
     if (!number)
       throw UsageError(
           fmt::format("truth: key \"seed\": found \"{}\"; allowed: a whole number", *seed));
-    with_seed.seed = *number;
+    request.seed = *number;
   }
   CsvAnswer answer;
   answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
   catch_interrupts();
-  const EstimatorChoice choice = choose_estimator(*stack, with_seed, Estimator::next_event);
+  const EstimatorChoice choice = choose_estimator(request, Estimator::next_event, &user_interrupt);
   std::vector<TruthValue> truth;
   if (choice.solution) {
     truth = truth_at(*choice.solution, pairs.pairs);
-    warn_of_bounds(truth, *choice.solution, with_seed.tolerance);
+    warn_of_bounds(truth, *choice.solution, request.tolerance);
   } else {
-    truth = truth_at(*stack, plan_of(options, *stack), pairs.pairs, with_seed.walks, with_seed.seed,
-                     &interrupted);
+    truth = truth_at(*stack, plan_of(request), pairs.pairs, request.effort.walks, request.seed,
+                     &user_interrupt);
   }
   for (const TruthValue& v : truth) {
     answer.f.push_back(v.f);
     answer.standard_error.push_back(v.standard_error);
   }
-  if (interrupted)
+  if (user_interrupt)
     fmt::print(stderr, "lamella: interrupted: {} than asked for, see se\n",
                choice.solution ? "a coarser solution" : "fewer walks");
   return answer;
@@ -303,11 +294,11 @@ int eval_command(const Options& options, const std::vector<std::string>& words) 
   CsvAnswer answer;
   try {
     if (what == "truth")
-      answer = eval_truth(split(words), pairs, options);
+      answer = eval_truth(parse_model_words(words).values, pairs, options);
     else if (what.starts_with("media."))
-      answer = eval_medium(what, split(words), pairs.pairs);
+      answer = eval_medium(what, parse_model_words(words).values, pairs.pairs);
     else
-      answer = eval_model(what, split(words), pairs);
+      answer = eval_model(what, parse_model_words(words).values, pairs);
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("{}: {}", what, error.what()));
   }

@@ -1,13 +1,17 @@
 #include <fmt/format.h>
 
 #include "analytic/layered/spongecake.h"
-#include "compare/command/closed_form_command.h"
+#include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/sampler_fit.h"
 #include "compare/fit/spongecake_fit.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
 #include "compare/request/model_request.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "phase/math/degrees.h"
 
 namespace lamella {
 namespace {
@@ -58,10 +62,12 @@ void check_stack(const Stack& stack) {
 }
 
 int fit_stack(const Options& options) {
-  const Stack stack = stack_of(options);
+  TruthRequest request = truth_request(options, stack_of(options));
+  request.cells = kFitGrid;
+  const Stack& stack = request.stack;
   check_stack(stack);
   if (!options.output.empty()) check_output_file(options.output);
-  GroundTruth truth(stack, options, kFitGrid, Estimator::analog);
+  GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
   std::vector<RunResult> runs;
   for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
   const SpongecakeFit fit = fit_spongecake(stack, runs);
@@ -70,7 +76,7 @@ int fit_stack(const Options& options) {
     fmt::print(out,
                "{}: orders 2 and up, {}; what two lobes leave over\n"
                "  {:>7} {:>9} {:>13} {:>13} {:>10} {:>9}\n",
-               stack.name, estimator_text(truth.choice(), options), "theta_i", "side",
+               stack.name, estimator_text(truth.choice(), request), "theta_i", "side",
                "energy truth", "energy lobes", "rel. RMSE", "noise");
     for (const SpongecakeResidue& r : fit.residues)
       fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>9.2f}% {:>8.2f}%\n",
@@ -79,7 +85,7 @@ int fit_stack(const Options& options) {
     fmt::print(out, "  all: {:.2f} % of the root mean square, {:.2f} % of it noise\n\n--model {}\n",
                100 * fit.relative_rmse, 100 * fit.noise, fit.request);
   }
-  Json answer = json_header("fit", stack, options);
+  Json answer = json_header("fit", request);
   answer["walks"] = runs.front().walks;
   answer["model"] = fit.request;
   answer["relative_rmse"] = fit.relative_rmse;
@@ -94,7 +100,7 @@ int fit_stack(const Options& options) {
                                   {"relative_rmse", r.relative_rmse},
                                   {"noise", r.noise}});
   if (!options.output.empty()) write_file(options.output, fit.request + "\n");
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

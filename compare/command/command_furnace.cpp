@@ -6,11 +6,15 @@
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/judge/furnace.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/substrate_model.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "phase/math/degrees.h"
 
 namespace lamella {
 namespace {
@@ -35,15 +39,15 @@ std::string worse(const std::string& a, const std::string& b) {
   return "pass";
 }
 
-int model_furnace(const Options& options, const Stack& stack) {
-  Json answer = json_header("furnace", stack, options);
+int model_furnace(const Options& options, const TruthRequest& truth) {
+  const Stack& stack = truth.stack;
+  Json answer = json_header("furnace", truth);
   Json list = Json::array();
   std::string overall = "pass";
   bool needs_stack = false;
   const double tolerance = options.max_error.value_or(kModelTolerance);
   std::FILE* out = table_stream(options);
-  for (const std::string& text : options.models) {
-    ModelRequest request = parse_model_request(text);
+  for (ModelRequest& request : model_requests(options)) {
     if (!options.as_is)
       if (const ModelInfo* info = find_or_load_model(request.name))
         for (const char* key : {"albedo", "rho", "f0"})
@@ -51,14 +55,9 @@ int model_furnace(const Options& options, const Stack& stack) {
             std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
             request.values.emplace_back(key, "1");
           }
-    Options one = options;
-    std::string joined = request.name;
-    for (const auto& [key, value] : request.values)
-      joined.append(",").append(key).append("=").append(value);
-    one.models = {joined};
-    const BoundModel bound = std::move(models_for(one, stack).front());
+    const BoundModel bound = model_for(request, stack);
     Json runs = Json::array();
-    for (const Direction wi : incident_directions(options, stack)) {
+    for (const Direction wi : truth.directions) {
       const Direction w = with_grazing_limit(wi);
       const Rgb scattered = bound.model->albedo(w);
       const double passed = bound.model->uncollided(w);
@@ -89,8 +88,10 @@ int model_furnace(const Options& options, const Stack& stack) {
   answer["models"] = std::move(list);
   answer["runs"] = answer["models"][0]["runs"];
   if (!options.quiet) fmt::print(out, "{}\n", overall);
-  write_html(answer, "White furnace of closed forms", options, {{"needs_stack", needs_stack}});
-  write_json(answer, options);
+  if (!options.html.empty())
+    write_report_page(options.html, "White furnace of closed forms", answer,
+                      {{"needs_stack", needs_stack}});
+  write_json(answer, options.json);
   return status_of(overall, options);
 }
 
@@ -98,10 +99,13 @@ int model_furnace(const Options& options, const Stack& stack) {
 
 int furnace_command(const Options& options) {
   if (!options.html.empty()) check_output_file(options.html);
-  Stack stack = stack_of(options);
-  if (!options.as_is) stack = with_surface_model(whitened(std::move(stack)));
-  if (!options.models.empty()) return model_furnace(options, stack);
-  GroundTruth truth(stack, options, kFurnaceGrid, Estimator::next_event);
+  Stack given = stack_of(options);
+  if (!options.as_is) given = with_surface_model(whitened(std::move(given)));
+  TruthRequest request = truth_request(options, given);
+  if (!options.models.empty()) return model_furnace(options, request);
+  request.cells = kFurnaceGrid;
+  const Stack& stack = request.stack;
+  GroundTruth truth(request, Estimator::next_event, terminal_monitor(options));
   const Plan& plan = truth.plan();
   const std::vector<Direction>& directions = truth.directions();
   const double level = -std::expm1(std::log1p(-kFalseAlarm) /
@@ -112,9 +116,9 @@ int furnace_command(const Options& options) {
                "{}: furnace{}, {}\n  {:>7} {:>10} {:>9} {:>10} {:>10} {:>10} {:>10} "
                "{:>10}  {}\n",
                stack.name, options.as_is ? " as it is" : ", all albedos at 1",
-               estimator_text(truth.choice(), options), "theta_i", "energy", "+-", "reflected",
+               estimator_text(truth.choice(), request), "theta_i", "energy", "+-", "reflected",
                "transm.", "uncollided", "absorbed", "unresolved", "verdict");
-  Json answer = json_header("furnace", stack, options);
+  Json answer = json_header("furnace", request);
   Json runs = Json::array();
   std::string overall = "pass";
   for (std::size_t k = 0; truth.goes_on(k); ++k) {
@@ -141,10 +145,10 @@ int furnace_command(const Options& options) {
     const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
                                       [](const Layer& l) { return is_delta(l.medium); });
     if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
-        !specular && !interrupted) {
-      const RadianceCheck check =
-          run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
-                           : check_radiance(stack, plan, wi, run.walks, options.seed, &interrupted);
+        !specular && !user_interrupt) {
+      const RadianceCheck check = run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
+                                                   : check_radiance(stack, plan, wi, run.walks,
+                                                                    options.seed, &user_interrupt);
       entry["radiance"] = {{"measured", check.measured},
                            {"standard_error", check.standard_error},
                            {"predicted", check.predicted},
@@ -157,9 +161,9 @@ int furnace_command(const Options& options) {
     }
     runs.push_back(std::move(entry));
   }
-  add_choice(answer, truth.choice(), options);
+  add_choice(answer, truth.choice(), request);
   answer["verdict"] = overall;
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["runs"] = std::move(runs);
   if (!options.quiet) {
     if (truth.estimator() != Estimator::deterministic && plan.thinning.is_on())
@@ -177,8 +181,9 @@ int furnace_command(const Options& options) {
           "walks hit what scatters sharply (--walks, --estimator analog)\n",
           truth.plan().max_order);
   }
-  write_html(answer, stack.name + ": white furnace", options);
-  write_json(answer, options);
+  if (!options.html.empty())
+    write_report_page(options.html, stack.name + ": white furnace", answer, nullptr);
+  write_json(answer, options.json);
   return status_of(overall, options);
 }
 

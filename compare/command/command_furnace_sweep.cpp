@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include "analytic/catalogue/model_plugin.h"
-#include "compare/command/closed_form_command.h"
+#include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/judge/furnace_sweep.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/request/errors.h"
 
 namespace lamella {
 
@@ -28,7 +30,7 @@ int furnace_sweep_command(const Options& options) {
     fmt::print(out,
                "| model | configurations | least energy | at | most energy | at |\n"
                "| --- | --- | --- | --- | --- | --- |\n");
-  nlohmann::ordered_json answer = json_header("furnace", options);
+  nlohmann::ordered_json answer = json_header("furnace", options.seed, isa_of(options));
   answer["theta_i"] = furnace_sweep_angles();
   answer["sweep"] = nlohmann::ordered_json::array();
   for (const ModelInfo* info : list) {
@@ -57,8 +59,10 @@ int furnace_sweep_command(const Options& options) {
                                {"least", extreme(sweep.least)},
                                {"most", extreme(sweep.most)}});
   }
-  write_html(answer, "White furnaces of closed forms over their parameters", options);
-  write_json(answer, options);
+  if (!options.html.empty())
+    write_report_page(options.html, "White furnaces of closed forms over their parameters", answer,
+                      nullptr);
+  write_json(answer, options.json);
   return kDone;
 }
 

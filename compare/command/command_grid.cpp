@@ -4,7 +4,9 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
 #include "phase/stack/stack_file.h"
 #include "volume/voxels/density_grid.h"
 #include "volume/voxels/depth_profile.h"
@@ -91,7 +93,7 @@ Parameters parameters_of(const GridGenerator& generator, const std::vector<std::
 
 int list_kinds(const Options& options) {
   std::FILE* out = table_stream(options);
-  Json answer = json_header("grid", options);
+  Json answer = json_header("grid", options.seed, isa_of(options));
   answer["kinds"] = Json::array();
   std::vector<GridGenerator> kinds = grid_generators();
   kinds.push_back(sphere_check());
@@ -111,7 +113,7 @@ int list_kinds(const Options& options) {
     answer["kinds"].push_back(
         {{"name", g.name}, {"doc", g.doc}, {"parameters", std::move(parameters)}});
   }
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 
@@ -137,7 +139,7 @@ int check_spheres(const Options& options, const Parameters& parameters) {
                c.volume_fraction.standard_error, c.expected_volume_fraction,
                c.blurred_volume_fraction, c.area_density.value, c.area_density.standard_error,
                c.expected_area_density, c.blurred_area_density);
-  Json answer = json_header("grid", options);
+  Json answer = json_header("grid", options.seed, isa_of(options));
   answer["kind"] = "spheres";
   Json given = Json::object();
   for (const auto& [key, value] : parameters.all()) given[key] = to_json(value);
@@ -152,7 +154,7 @@ int check_spheres(const Options& options, const Parameters& parameters) {
       quantity(c.volume_fraction, c.expected_volume_fraction, c.blurred_volume_fraction);
   answer["area_density"] =
       quantity(c.area_density, c.expected_area_density, c.blurred_area_density);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 
@@ -189,7 +191,7 @@ int grid_command(const Options& options, const std::vector<std::string>& words) 
                "contrast {:.3f} between voxels, {:.3f} between columns\n{}",
                options.output, n[0], n[1], n[2], voxel.x, voxel.y, voxel.z, 100 * contrast.filled,
                contrast.voxel, contrast.column, layer);
-  Json answer = json_header("grid", options);
+  Json answer = json_header("grid", options.seed, isa_of(options));
   answer["kind"] = generator.name;
   Json given = Json::object();
   for (const auto& [key, value] : parameters.all()) given[key] = to_json(value);
@@ -201,7 +203,7 @@ int grid_command(const Options& options, const std::vector<std::string>& words) 
   answer["contrast_voxel"] = contrast.voxel;
   answer["contrast_column"] = contrast.column;
   answer["layer"] = layer;
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

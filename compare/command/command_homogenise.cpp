@@ -5,8 +5,16 @@
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/judge/lobe_difference.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/numbers.h"
+#include "compare/request/run_monitor.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
+#include "compare/truth/ground_truth.h"
+#include "phase/math/degrees.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/voxels/density_grid.h"
@@ -47,7 +55,7 @@ std::string order_text(int slot) {
   return names[slot];
 }
 
-double mean(const std::vector<double>& values) {
+double channel_mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v / static_cast<double>(values.size());
   return sum;
@@ -68,12 +76,12 @@ Json to_json(const LobeDifference& l) {
 }
 
 void print(std::FILE* out, const LobeDifference& l) {
-  const double grid = mean(l.energy), other = mean(l.energy_other);
+  const double grid = channel_mean(l.energy), other = channel_mean(l.energy_other);
   fmt::print(out,
              "  {:>7g} {:>9} {:>5} {:>10.5f} {:>8.1e} {:>10.5f} {:>8.1e} {:>8} {:>8.2f}% "
              "{:>9.2g}  {}\n",
              theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", order_text(l.order), grid,
-             mean(l.energy_error), other, mean(l.energy_other_error),
+             channel_mean(l.energy_error), other, channel_mean(l.energy_other_error),
              grid > 0 ? fmt::format("{:+.2f}%", 100 * (other / grid - 1)) : "-",
              100 * l.relative_rmse_without_noise, l.p_value, to_text(l.verdict));
 }
@@ -90,11 +98,10 @@ int homogenise_command(const Options& options) {
         stack.name));
   const std::vector<double> factors = factors_of(options);
   if (!options.output.empty()) check_output_file(options.output);
-  const Plan plan = make_plan(stack, walk_limits(options));
-  const std::vector<Direction> directions = incident_directions(options, stack);
-  check_estimator(stack, options);  // the solver does not apply
-  const Estimator estimator =
-      options.estimator == "next-event" ? Estimator::next_event : Estimator::analog;
+  const TruthRequest request = truth_request(options, stack);
+  const Plan plan = make_plan(stack, request.limits);
+  check_estimator(request);  // the solver does not apply
+  const Estimator estimator = request.estimator.value_or(Estimator::analog);
   const Stack profile = homogenised(stack, plan.grids);
   if (!options.output.empty())
     write_file(options.output,
@@ -102,24 +109,25 @@ int homogenise_command(const Options& options) {
                    to_toml(profile));
 
   std::FILE* out = table_stream(options);
-  Json answer = json_header("homogenise", stack, options);
+  const RunMonitor monitor = terminal_monitor(options);
+  Json answer = json_header("homogenise", request);
   answer["estimator"] = to_text(estimator);
   answer["homogenised"] = lamella::to_json(profile);
   Json list = Json::array();
   for (const double factor : factors) {
     const Grids grids = scaled(stack, plan.grids, factor);
-    const Plan grid_plan = make_plan(stack, walk_limits(options), grids);
+    const Plan grid_plan = make_plan(stack, request.limits, grids);
     const Stack layers = homogenised(stack, grids);
-    Plan layer_plan = make_plan(layers, walk_limits(options));
+    Plan layer_plan = make_plan(layers, request.limits);
     // The same cells and channels as the grid's.
-    layer_plan.isa = isa_of(options);
+    layer_plan.isa = request.isa;
     layer_plan.folded = false;
     layer_plan.channels = grid_plan.channels;
     Json contrasts = Json::array();
     if (!options.quiet)
       fmt::print(out, "{}{}: {} homogeneous layers instead, {} estimator, seed {}\n", stack.name,
                  factor == 1 ? "" : fmt::format(" with {} of its contrast", to_text(factor)),
-                 layers.layers.size(), to_text(estimator), options.seed);
+                 layers.layers.size(), to_text(estimator), request.seed);
     for (std::size_t k = 0; k < grids.size(); ++k) {
       if (!grids[k]) continue;
       const LateralContrast c = lateral_contrast(*grids[k]);
@@ -133,14 +141,13 @@ int homogenise_command(const Options& options) {
             k, stack.layers[k].grid->file, c.voxel, c.column, 100 * c.filled);
     }
     std::vector<LobeDifference> lobes;
-    for (const Direction wi : directions) {
+    for (const Direction wi : request.directions) {
       const std::string label = fmt::format("theta_i {:g}", theta_degrees(wi));
-      const CellGrid cells = parse_grid(options.grid);
-      Simulation grid(stack, grid_plan, wi, estimator, cells, options.seed);
-      const RunResult done = run_with_progress(grid, options, label);
-      if (interrupted) break;
+      Simulation grid(stack, grid_plan, wi, estimator, request.cells, request.seed);
+      const RunResult done = run_walks(grid, request.effort, label, monitor);
+      if (user_interrupt) break;
       // As many walks, of another seed: a difference of batches is one of independent numbers.
-      Simulation homogeneous(layers, layer_plan, wi, estimator, cells, options.seed + 1);
+      Simulation homogeneous(layers, layer_plan, wi, estimator, request.cells, request.seed + 1);
       homogeneous.advance(done.walks);
       for (LobeDifference& l : differences(grid, homogeneous)) lobes.push_back(std::move(l));
     }
@@ -158,12 +165,12 @@ int homogenise_command(const Options& options) {
                     {"layers", layers.layers.size()},
                     {"contrast", std::move(contrasts)},
                     {"lobes", std::move(entries)}});
-    if (interrupted) break;
+    if (user_interrupt) break;
   }
   if (!options.quiet && !options.output.empty()) fmt::print(out, "wrote {}\n", options.output);
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["comparisons"] = std::move(list);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -4,19 +4,23 @@
 #include <cmath>
 
 #include "analytic/catalogue/model_plugin.h"
-#include "compare/command/closed_form_command.h"
+#include "compare/command/command.h"
 #include "compare/fit/albedo_inversion.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
 #include "compare/request/model_request.h"
+#include "compare/request/run_monitor.h"
 #include "compare/request/substrate_model.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "phase/math/degrees.h"
 #include "phase/stack/builtin_stacks.h"
 
 namespace lamella {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using KeyValues = std::vector<std::pair<std::string, std::string>>;
 
 constexpr double kModelTolerance = 1e-9;
 constexpr CellGrid kTotalsGrid{4, 8, false};
@@ -42,17 +46,6 @@ Lighting lighting_of(const Options& options, const ClosedFormOptions& closed, co
     throw UsageError(
         fmt::format("--wi: found {} directions; allowed: one", options.incident.size()));
   return {{{incident_directions(options, stack ? *stack : Stack{}).front(), 1.0}}};
-}
-
-KeyValues split(const std::vector<std::string>& words) {
-  KeyValues values;
-  for (std::size_t k = 1; k < words.size(); ++k) {
-    const std::size_t equals = words[k].find('=');
-    if (equals == std::string::npos)
-      throw UsageError(fmt::format("{}: found \"{}\"; allowed: key=value", words[0], words[k]));
-    values.emplace_back(words[k].substr(0, equals), words[k].substr(equals + 1));
-  }
-  return values;
 }
 
 Rgb take_color(KeyValues& values, const std::string& what) {
@@ -108,16 +101,18 @@ CsvAnswer invert_model(const std::string& name, const ModelInfo& info, const Key
 CsvAnswer invert_stack(const Stack& stack, Rgb target, const Options& options,
                        const ClosedFormOptions& closed) {
   const Lighting lighting = lighting_of(options, closed, &stack);
-  Options at = options;
-  at.incident.clear();
+  TruthRequest request = truth_request(options, stack);
+  request.cells = kTotalsGrid;
+  request.directions.clear();
+  // Rounded like directions that are typed.
   for (const auto& [wi, weight] : lighting.directions)
-    at.incident.push_back(fmt::format("{:.17g},{:.17g}", theta_degrees(wi), phi_degrees(wi)));
+    request.directions.push_back(direction_from_degrees(theta_degrees(wi), phi_degrees(wi)));
+  const RunMonitor monitor = terminal_monitor(options);
   Rgb variance;
   const auto color = [&](Rgb albedo) {
-    Stack with = stack;
-    for (Layer& layer : with.layers) layer.albedo = albedo;
+    for (Layer& layer : request.stack.layers) layer.albedo = albedo;
     // Walks are the same for every albedo: the colour is smooth in it but for what roulette ends.
-    GroundTruth truth(with, at, kTotalsGrid, Estimator::analog);
+    GroundTruth truth(request, Estimator::analog, monitor);
     Rgb sum;
     variance = Rgb();
     for (std::size_t k = 0; k < lighting.directions.size(); ++k) {
@@ -143,7 +138,7 @@ CsvAnswer invert_stack(const Stack& stack, Rgb target, const Options& options,
 int invert_command(const Options& options, const ClosedFormOptions& closed,
                    const std::vector<std::string>& words) {
   const std::string& what = words[0];
-  KeyValues values = split(words);
+  KeyValues values = parse_model_words(words).values;
   const Rgb target = take_color(values, what);
   const ModelInfo* info =
       what.ends_with(".so") || find_model(what) ? find_or_load_model(what) : nullptr;
@@ -172,14 +167,14 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
                found.evaluations);
   }
   const auto list = [](Rgb c) { return Json{c.r, c.g, c.b}; };
-  Json json = json_header("invert", options);
+  Json json = json_header("invert", options.seed, isa_of(options));
   json["what"] = what;
   json["color"] = list(target);
   json["albedo"] = list(found.albedo);
   json["reached"] = list(found.reached);
   json["albedo_standard_error"] = list(answer.standard_error);
   json["evaluations"] = found.evaluations;
-  write_json(json, options);
+  write_json(json, options.json);
   return kDone;
 }
 

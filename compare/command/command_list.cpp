@@ -2,7 +2,9 @@
 
 #include "analytic/model/model.h"
 #include "compare/command/command.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/pilot.h"
 #include "phase/medium/media.h"
@@ -38,10 +40,11 @@ Json list_answer(const std::string& command) { return {{"format", 1}, {"command"
 }  // namespace
 
 int explain_command(const Options& options) {
-  const Stack stack = stack_of(options);
-  const Plan plan = plan_of(options, stack);
+  TruthRequest request = truth_request(options, stack_of(options));
+  const Stack& stack = request.stack;
+  const Plan plan = plan_of(request);
   std::FILE* out = table_stream(options);
-  Json answer = json_header("explain", stack, options);
+  Json answer = json_header("explain", request);
   answer["plan"] = Json::array();
   if (!options.quiet) {
     fmt::print(out, "{}\n\n", stack.name);
@@ -61,20 +64,20 @@ int explain_command(const Options& options) {
   if (stack.grains() && !GrainScene::is_available())
     add({"Embree", "missing: simulate, compare and furnace refuse this stack",
          "built with -DLAMELLA_EMBREE=OFF"});
-  const EstimatorChoice choice = choose_estimator(stack, options, Estimator::analog);
+  const EstimatorChoice choice = choose_estimator(request, Estimator::analog, nullptr);
   add({"estimator", "auto: " + to_text(choice.estimator), choice.reason});
   add({"of walks", "analog for lobes, next-event for furnaces and for truth at points",
        "analog counts every cell at the price of one; a furnace needs an estimate apart from the "
        "ledger"});
   if (!stack.grains() && !stack.has_grid())
     add({"by time", "with --time or --target-error whichever is cheaper for the same error",
-         to_text(pilot(stack, plan, direction_from_degrees(30, 0), CellGrid{}, options)) +
+         to_text(pilot(request, plan, direction_from_degrees(30, 0))) +
              ", on 16x32 cells from theta_i 30"});
   std::string names;
   for (const ModelInfo& info : models())
     if (info.applies_to && info.applies_to(stack)) names += (names.empty() ? "" : ", ") + info.name;
   add({"models", names.empty() ? "none" : names, "the closed forms that apply to this stack"});
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 
@@ -103,7 +106,7 @@ int models_command(const Options& options) {
                                 {"parameters", to_json(info.parameters)},
                                 {"lobes", std::move(lobes)}});
   }
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 
@@ -141,7 +144,7 @@ int media_command(const Options& options) {
         "multiplies it from voxel to voxel, with size [mm], two numbers in [1e-06, 1e+06], its "
         "lateral "
         "period, and grid_albedo, \"file\" (default) or \"white\"\n");
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 
@@ -155,7 +158,7 @@ int stacks_command(const Options& options) {
     answer["stacks"].push_back(
         {{"name", stack.name}, {"doc", stack.doc}, {"source", stack.source}, {"toml", stack.toml}});
   }
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -2,7 +2,10 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
+#include "compare/request/truth_request.h"
 #include "phase/stack/stack_file.h"
 #include "volume/grains/grain_measure.h"
 
@@ -94,7 +97,8 @@ Json to_json(const GrainMeasurement& m, bool bed) {
 }  // namespace
 
 int measure_command(const Options& options) {
-  const Stack stack = stack_of(options);
+  const TruthRequest request = truth_request(options, stack_of(options));
+  const Stack& stack = request.stack;
   if (!stack.grains())
     throw UsageError(fmt::format(
         "measure: found the stack \"{}\" of media; allowed: explicit geometry (sphere_bed, "
@@ -106,7 +110,7 @@ int measure_command(const Options& options) {
                      std::max<std::uint64_t>(1, options.walks / kRealisations));
   std::FILE* out = table_stream(options);
   if (!options.quiet) print(out, stack, m);
-  Json answer = json_header("measure", stack, options);
+  Json answer = json_header("measure", request);
   answer["measured"] = to_json(m, stack.grains()->is_bed());
   std::string text, reason;
   try {
@@ -126,7 +130,7 @@ int measure_command(const Options& options) {
                  options.output.empty() ? "" : " (written to " + options.output + ")", text);
   }
   if (!options.output.empty()) write_file(options.output, text);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -2,32 +2,56 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/preview/preview_views.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/model_request.h"
+#include "compare/request/numbers.h"
+#include "compare/request/truth_request.h"
 
 namespace lamella {
+namespace {
+
+// --light and --environment.
+PreviewLighting lighting_of(const Options& options) {
+  const std::string& text = options.light;
+  const std::size_t comma = text.find(',');
+  const auto theta = parse_number(std::string_view(text).substr(0, comma));
+  const auto phi =
+      comma == std::string::npos ? std::optional(0.0) : parse_number(text.substr(comma + 1));
+  if (!theta || !phi || !(*theta >= 0 && *theta < 180) || !std::isfinite(*phi))
+    throw UsageError(fmt::format(
+        "--light: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180)", text));
+  return {*theta, *phi,
+          options.environment == "uniform" ? Environment() : Environment(options.environment)};
+}
+
+}  // namespace
 
 int preview_command(const Options& options) {
-  const Stack stack = stack_of(options);
+  const TruthRequest request = truth_request(options, stack_of(options));
+  const Stack& stack = request.stack;
   check_preview("preview", stack);
-  const PreviewLighting lighting = preview_lighting(options);
-  const std::vector<BoundModel> models = models_for(options, stack);
+  const PreviewLighting lighting = lighting_of(options);
+  const std::vector<BoundModel> models = models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
   make_output_folder(folder);
   catch_interrupts();
-  const LobeTable table = LobeTable::make(stack, options);
+  const LobeTable table = LobeTable::make(request, &user_interrupt);
   std::FILE* out = table_stream(options);
   if (!options.quiet) fmt::print(out, "{}: truth by {}\n", stack.name, table.source());
   const std::vector<PreviewResult> views =
-      preview_views(table, models, distinct_names(models), lighting, options.size);
-  write_preview_files(folder + "/", views, table, stack, options);
-  nlohmann::ordered_json answer = json_header("preview", stack, options);
+      preview_views(table, models, distinct_names(models), lighting, options.size, &user_interrupt);
+  write_preview_files(folder + "/", views, table, stack, lighting);
+  nlohmann::ordered_json answer = json_header("preview", request);
   answer["truth"] = table.source();
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["views"] = to_json(views);
   if (!options.quiet)
     fmt::print(out, "{}wrote {}/: an EXR and a PNG per view\n", preview_table(views), folder);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -4,8 +4,11 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/reproduce/reproduction.h"
+#include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
 #include "volume/grains/grain_scene.h"
 
 namespace lamella {
@@ -40,14 +43,14 @@ const std::vector<Reproduction>& reproductions() {
 int reproduce_command(const Options& options, const std::string& name) {
   std::FILE* out = table_stream(options);
   const auto& list = reproductions();
-  Json answer = json_header("reproduce", options);
+  Json answer = json_header("reproduce", options.seed, isa_of(options));
   if (name.empty()) {
     answer["reproductions"] = Json::array();
     for (const Reproduction& r : list) {
       if (!options.quiet) fmt::print(out, "{:<24} {}\n{:<24} {}\n", r.name, r.doc, "", r.source);
       answer["reproductions"].push_back({{"name", r.name}, {"doc", r.doc}, {"source", r.source}});
     }
-    write_json(answer, options);
+    write_json(answer, options.json);
     return kDone;
   }
   const auto found =
@@ -60,7 +63,8 @@ int reproduce_command(const Options& options, const std::string& name) {
                                  hint.empty() ? "" : ", " + hint, listed(names)));
   }
   GrainScene::require_available();
-  ReproductionContext context{.options = options,
+  ReproductionContext context{.seed = options.seed,
+                              .stop = &user_interrupt,
                               .table = options.quiet ? nullptr : out,
                               .folder = options.output.empty() ? name : options.output,
                               .walks = options.walks_given ? options.walks : found->walks};
@@ -77,7 +81,7 @@ int reproduce_command(const Options& options, const std::string& name) {
     for (const std::string& picture : context.pictures) fmt::print(out, " {}", picture);
     fmt::print(out, "\n");
   }
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

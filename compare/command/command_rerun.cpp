@@ -6,10 +6,16 @@
 #include <sstream>
 
 #include "compare/command/command.h"
+#include "compare/judge/judgement.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
+#include "compare/request/errors.h"
 #include "compare/request/model_request.h"
+#include "compare/request/numbers.h"
+#include "compare/request/run_monitor.h"
 #include "compare/request/substrate_model.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/stack/stack_file.h"
 
@@ -18,11 +24,8 @@ namespace {
 
 // What a file says of the run that made it.
 struct RecordedRun {
-  Stack stack;
-  Options options;
-  Estimator estimator;
-  CellGrid grid;
-  std::vector<Direction> directions;
+  TruthRequest request;  // as it was asked for
+  Estimator estimator;   // that found it
   std::vector<std::uint64_t> walks;
   std::string model;  // empty: the lobes of the truth alone
 };
@@ -38,8 +41,7 @@ const std::string& attribute(const ExrImage& image, const std::string& path,
   return found->second;
 }
 
-RecordedRun recorded_run(const ExrImage& image, const Options& given) {
-  const std::string& path = given.stack;
+RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   const auto text = [&](const std::string& name) { return attribute(image, path, name); };
   const auto broken = [&](const std::string& name) {
     return UsageError(fmt::format("{}: found lamella.{} = \"{}\"; allowed: what lamella writes",
@@ -50,41 +52,40 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
     if (!value) throw broken(name);
     return *value;
   };
-  RecordedRun recorded{
-      .stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name"))),
-      .options = given,
-      .estimator = Estimator::analog,
-      .grid = parse_grid(text("grid")),
-      .directions = {},
-      .walks = {},
-      .model = {}};
-  recorded.options.seed = whole("seed");
-  recorded.options.max_order = whole("max_order");
-  // Before there was thinning nothing was thinned.
-  recorded.options.thin_from = image.attributes.contains("lamella.thin_from")
-                                   ? static_cast<std::uint32_t>(whole("thin_from"))
-                                   : 0;
-  recorded.options.isa = text("isa");
-  recorded.options.estimator = text("estimator_asked");
-  recorded.options.target_error = recorded.options.seconds = std::nullopt;
-  bool known = false;
-  for (const Estimator e : {Estimator::analog, Estimator::next_event, Estimator::deterministic})
-    if (to_text(e) == text("estimator")) {
-      recorded.estimator = e;
-      known = true;
+  const auto estimator = [&](const std::string& name) {
+    try {
+      return parse_estimator(text(name));
+    } catch (const UsageError&) {
+      throw broken(name);
     }
-  if (!known) throw broken("estimator");
+  };
+  RecordedRun recorded{.request = {}, .estimator = Estimator::analog, .walks = {}, .model = {}};
+  TruthRequest& request = recorded.request;
+  request.stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name")));
+  request.cells = parse_grid(text("grid"));
+  request.seed = whole("seed");
+  request.limits.max_order = whole("max_order");
+  // Before there was thinning nothing was thinned.
+  request.limits.thinning = Thinning{image.attributes.contains("lamella.thin_from")
+                                         ? static_cast<std::uint32_t>(whole("thin_from"))
+                                         : 0};
+  request.isa = parse_isa(text("isa"));
+  request.estimator = estimator("estimator_asked");
+  const std::optional<Estimator> used = estimator("estimator");
+  if (!used) throw broken("estimator");
+  recorded.estimator = *used;
   if (recorded.estimator == Estimator::deterministic) {
     const auto tolerance = parse_number(text("tolerance"));
     if (!tolerance || !(*tolerance > 0)) throw broken("tolerance");
-    recorded.options.tolerance = *tolerance;
+    request.tolerance = *tolerance;
     std::array<int, 3> modes{};
     std::istringstream words(text("modes"));
     for (int& count : modes)
       if (!(words >> count) || count < 1) throw broken("modes");
-    recorded.options.solver_end = {static_cast<int>(whole("nodes")), modes};
+    request.solver_end = {static_cast<int>(whole("nodes")), modes};
   }
   std::istringstream directions(text("directions")), walks(text("walks"));
+  request.directions.clear();
   for (std::string word; directions >> word;) {
     Direction w;
     double* const parts[] = {&w.x, &w.y, &w.z};
@@ -96,50 +97,46 @@ RecordedRun recorded_run(const ExrImage& image, const Options& given) {
       *part = *value;
       from = std::min(comma + 1, word.size());
     }
-    recorded.directions.push_back(w);
+    request.directions.push_back(w);
   }
   for (std::string word; walks >> word;) {
     const auto value = parse_whole_number(word);
     if (!value) throw broken("walks");
     recorded.walks.push_back(*value);
   }
-  if (recorded.directions.empty() || recorded.walks.size() != recorded.directions.size())
+  if (request.directions.empty() || recorded.walks.size() != request.directions.size())
     throw broken("walks");
   if (const auto model = image.attributes.find("lamella.model"); model != image.attributes.end())
     recorded.model = model->second;
   return recorded;
 }
 
-ExrImage repeated(const RecordedRun& recorded) {
+ExrImage repeated(const RecordedRun& recorded, const RunMonitor& monitor) {
   // Walks are repeated as they were, not chosen again; what asked for them is kept in the header.
-  Options options = recorded.options;
-  if (recorded.estimator != Estimator::deterministic)
-    options.estimator = to_text(recorded.estimator);
-  GroundTruth truth(recorded.stack, options, recorded.grid, recorded.estimator,
-                    recorded.directions);
+  TruthRequest request = recorded.request;
+  if (recorded.estimator != Estimator::deterministic) request.estimator = recorded.estimator;
+  GroundTruth truth(request, recorded.estimator, monitor);
   std::optional<BoundModel> model;
-  if (!recorded.model.empty()) {
-    options.models = {recorded.model};
-    model = std::move(models_for(options, recorded.stack).front());
-  }
+  if (!recorded.model.empty())
+    model = model_for(parse_model_request(recorded.model), request.stack);
   std::vector<RunResult> runs;
   std::vector<LobeComparison> lobes;
-  for (std::size_t k = 0; k < recorded.directions.size(); ++k) {
+  for (std::size_t k = 0; k < request.directions.size(); ++k) {
     const Truth found = truth.find(k, recorded.walks[k]);
     runs.push_back(found.run);
-    if (interrupted) throw UsageError("interrupted: nothing is said of the file");
+    if (monitor.is_stopped()) throw UsageError("interrupted: nothing is said of the file");
     if (!model) continue;
     for (LobeComparison& l : judge(found, truth.plan(), *model)) lobes.push_back(std::move(l));
   }
-  return model ? comparison_image(recorded.stack, runs, lobes, recorded.options, recorded.model)
-               : simulation_image(recorded.stack, runs, recorded.options);
+  return model ? comparison_image(recorded.request, runs, lobes, recorded.model)
+               : simulation_image(recorded.request, runs);
 }
 
 }  // namespace
 
 int rerun_command(const Options& options) {
   ExrImage was = read_exr(options.stack);
-  ExrImage is = repeated(recorded_run(was, options));
+  ExrImage is = repeated(recorded_run(was, options.stack), terminal_monitor(options));
   const auto by_name = [](const auto& a, const auto& b) { return a.first < b.first; };
   std::sort(was.channels.begin(), was.channels.end(), by_name);
   std::sort(is.channels.begin(), is.channels.end(), by_name);
@@ -180,7 +177,7 @@ int rerun_command(const Options& options) {
               {"same", differences.empty()},
               {"differences", differences},
               {"largest_difference", largest}},
-             options);
+             options.json);
   return differences.empty() ? kDone : kFailed;
 }
 

@@ -3,10 +3,13 @@
 #include <cmath>
 #include <limits>
 
-#include "compare/command/closed_form_command.h"
+#include "compare/command/command.h"
 #include "compare/judge/sampler_statistics.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
 #include "compare/request/model_request.h"
+#include "compare/request/numbers.h"
 
 namespace lamella {
 namespace {
@@ -100,13 +103,11 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
   std::FILE* out = table_stream(options);
   const Stack stack = stack_of(options);  // for models that are built from one
   const std::vector<double> thetas = angles(closed);
-  Json answer = json_header("samplers", options);
+  Json answer = json_header("samplers", options.seed, isa_of(options));
   answer["samples"] = closed.samples;
   answer["models"] = Json::array();
-  Options one = options;
   for (const std::string& text : options.models.empty() ? default_requests() : options.models) {
-    one.models = {text};
-    const BoundModel bound = std::move(models_for(one, stack).front());
+    const BoundModel bound = model_for(parse_model_request(text), stack);
     if (!options.quiet)
       fmt::print(out, "{}\n  {:>7} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7}\n", text, "theta_o",
                  "albedo", "mean", "+-", "variance", "max weight", "lost");
@@ -130,7 +131,7 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
     answer["models"].push_back({{"request", text}, {"rows", std::move(rows)}});
   }
   if (options.models.empty()) answer["times"] = measure_times(stack, options.quiet ? nullptr : out);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -5,6 +5,7 @@
 
 #include "compare/command/command.h"
 #include "compare/files/exr_file.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 
 namespace lamella {
@@ -66,7 +67,7 @@ int show_command(const Options& options) {
               {"height", image.height},
               {"attributes", std::move(attributes)},
               {"channels", std::move(channels)}},
-             options);
+             options.json);
   return kDone;
 }
 

@@ -2,9 +2,13 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "phase/math/degrees.h"
 
 namespace lamella {
 namespace {
@@ -56,24 +60,25 @@ void print_run(std::FILE* out, const RunResult& run) {
 }  // namespace
 
 int simulate_command(const Options& options) {
-  const Stack stack = stack_of(options);
-  GroundTruth truth(stack, options, parse_grid(options.grid), Estimator::analog);
+  const TruthRequest request = truth_request(options, stack_of(options));
+  const Stack& stack = request.stack;
+  GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
   if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
   for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out, "{}: {}, energies as fractions of the incident light{}\n", stack.name,
-               estimator_text(truth.choice(), options),
+               estimator_text(truth.choice(), request),
                truth.plan().channels == 3 ? " (r g b)" : "");
     for (const RunResult& run : runs) print_run(out, run);
-    if (interrupted) fmt::print(out, "interrupted: what was done until then\n");
+    if (user_interrupt) fmt::print(out, "interrupted: what was done until then\n");
   }
   if (!options.output.empty()) {
-    write_exr(options.output, simulation_image(stack, runs, options));
+    write_exr(options.output, simulation_image(request, runs));
     if (!options.quiet) fmt::print(out, "wrote {}\n", options.output);
   }
-  nlohmann::ordered_json answer = json_header("simulate", stack, options);
+  nlohmann::ordered_json answer = json_header("simulate", request);
   std::uint64_t collisions = 0;
   double seconds = 0;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -82,13 +87,13 @@ int simulate_command(const Options& options) {
     seconds += run.seconds;
     list.push_back(to_json(run));
   }
-  add_choice(answer, truth.choice(), options);
+  add_choice(answer, truth.choice(), request);
   answer["walks"] = runs.front().walks;
   answer["collisions"] = collisions;
   answer["seconds"] = seconds;
-  answer["interrupted"] = interrupted.load();
+  answer["interrupted"] = user_interrupt.load();
   answer["runs"] = std::move(list);
-  write_json(answer, options);
+  write_json(answer, options.json);
   return kDone;
 }
 

@@ -5,10 +5,14 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/sweep_axis.h"
+#include "compare/request/truth_request.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -35,6 +39,8 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
     for (const double v : axis.values) values.push_back(json_number(v));
     list.push_back({{"path", axis.path}, {"values", std::move(values)}});
   }
+  Json walk_settings = Json::array();
+  for (const WalkSetting setting : options.walk_settings) walk_settings.push_back(to_text(setting));
   Json settings{{"version", LAMELLA_VERSION},
                 {"of", options.of},
                 {"stack", to_json(stack)},
@@ -45,7 +51,7 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
                 {"estimator", options.estimator},
                 {"isa", options.isa},
                 {"tolerance", options.tolerance},
-                {"walk_options", options.walk_options},
+                {"walk_options", std::move(walk_settings)},
                 {"seed", options.seed},
                 {"models", options.models},
                 {"as_is", options.as_is}};
@@ -71,7 +77,8 @@ int run_point(const Options& options, const fs::path& stack_file, const fs::path
 }  // namespace
 
 int sweep_command(const Options& options) {
-  const Stack stack = stack_of(options);
+  const TruthRequest request = truth_request(options, stack_of(options));
+  const Stack& stack = request.stack;
   std::vector<SweepAxis> axes;
   std::size_t count = 1;
   for (const std::string& text : options.sets) {
@@ -106,7 +113,7 @@ int sweep_command(const Options& options) {
   Json list = Json::array();
   int status = kDone;
   std::size_t done = 0;
-  for (std::size_t k = 0; k < count && !interrupted; ++k) {
+  for (std::size_t k = 0; k < count && !user_interrupt; ++k) {
     const fs::path answer_file = points / (name_of(k) + ".json");
     std::optional<Json> answer = read_json(answer_file);
     const bool was_there = answer.has_value();
@@ -115,7 +122,7 @@ int sweep_command(const Options& options) {
       const fs::path part = points / (name_of(k) + ".part");
       write_file(stack_file, with_values(stack, axes, place(k)));
       status = std::max(status, run_point(options, stack_file, part));
-      if (interrupted) {
+      if (user_interrupt) {
         fs::remove(part);
         break;
       }
@@ -132,22 +139,22 @@ int sweep_command(const Options& options) {
     }
     list.push_back({{"at", place(k)}, {"answer", std::move(*answer)}});
   }
-  Json result = json_header("sweep", stack, options);
+  Json result = json_header("sweep", request);
   result["of"] = options.of;
   result["axes"] = settings["axes"];
-  result["interrupted"] = interrupted.load();
+  result["interrupted"] = user_interrupt.load();
   result["points"] = std::move(list);
   write_file(folder / "report.json", result.dump(2) + "\n");
   write_report_page(folder / "report.html", stack.name + ": sweep", result, nullptr);
   if (!options.quiet) {
-    if (interrupted)
+    if (user_interrupt)
       fmt::print(out, "interrupted after {} of {} points: the same command goes on\n", done, count);
     fmt::print(out,
                "wrote {}/: report.html to look at, report.json, a stack and an answer per "
                "point\n",
                folder.string());
   }
-  write_json(result, options);
+  write_json(result, options.json);
   return status;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "compare/files/output_folder.h"
+#include "compare/request/errors.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -88,9 +89,12 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   options.walks_given = !walks.empty();
   if (options.walks_given) options.walks = parse_walks(walks);
   for (const CLI::App* command : app.get_subcommands())
-    for (const char* name : {"--walks", "--target-error", "--max-order", "--thin-from", "--time"})
-      if (const CLI::Option* option = command->get_option_no_throw(name); option && *option)
-        options.walk_options.emplace_back(name);
+    for (const WalkSetting setting :
+         {WalkSetting::walks, WalkSetting::target_error, WalkSetting::max_order,
+          WalkSetting::thin_from, WalkSetting::seconds})
+      if (const CLI::Option* option = command->get_option_no_throw(to_text(setting));
+          option && *option)
+        options.walk_settings.push_back(setting);
   return std::nullopt;
 }
 

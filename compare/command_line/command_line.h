@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "compare/command/closed_form_command.h"
+#include "compare/command/command.h"
 #include "compare/options/options.h"
 
 namespace lamella {

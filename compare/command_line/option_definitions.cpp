@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/request/numbers.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {

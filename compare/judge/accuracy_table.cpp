@@ -7,6 +7,7 @@
 
 #include "compare/judge/comparison.h"
 #include "compare/request/model_request.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/stack/stack_file.h"
 
@@ -57,12 +58,12 @@ const std::vector<Family>& families() {
 }
 
 std::vector<ModelAccuracy> accuracy_on(const Stack& stack, const std::string& family,
-                                       double tolerance) {
-  Options options;
-  options.estimator = "deterministic";
-  options.tolerance = tolerance;
-  GroundTruth truth(stack, options, CellGrid{}, Estimator::analog);
-  std::vector<BoundModel> models = models_for(options, stack);
+                                       double tolerance, const RunMonitor& monitor) {
+  TruthRequest request{.stack = stack};
+  request.estimator = Estimator::deterministic;
+  request.tolerance = tolerance;
+  GroundTruth truth(std::move(request), Estimator::analog, monitor);
+  const std::vector<BoundModel> models = models_for({}, stack);
   std::vector<ModelAccuracy> rows;
   for (const BoundModel& m : models)
     rows.push_back(
@@ -92,17 +93,17 @@ std::vector<ModelAccuracy> accuracy_on(const Stack& stack, const std::string& fa
 
 }  // namespace
 
-void measure_model_accuracy(bool quick, double tolerance,
+void measure_model_accuracy(bool quick, double tolerance, const RunMonitor& monitor,
                             const std::function<void(const ModelAccuracy&)>& report) {
   for (const Family& family : families())
-    for (std::size_t k = 0; k < (quick ? 1 : family.values.size()) && !interrupted; ++k) {
+    for (std::size_t k = 0; k < (quick ? 1 : family.values.size()) && !monitor.is_stopped(); ++k) {
       std::string toml = "[[layer]]\n" + family.rest, name;
       for (std::size_t i = 0; i < family.keys.size(); ++i) {
         toml += fmt::format("{} = {}\n", family.keys[i], family.values[k][i]);
         name += fmt::format("{}{} {}", i ? ", " : "", family.keys[i], family.values[k][i]);
       }
       for (const ModelAccuracy& row :
-           accuracy_on(parse_stack(toml, family.name, name), family.name, tolerance))
+           accuracy_on(parse_stack(toml, family.name, name), family.name, tolerance, monitor))
         report(row);
     }
 }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "compare/request/run_monitor.h"
+
 namespace lamella {
 
 /// How far a closed form is from the solved truth of one stack that it claims to describe, at the
@@ -19,9 +21,9 @@ struct ModelAccuracy {
 };
 
 /// Every closed form that claims a medium, over its parameters, against the deterministic solver on
-/// 16 x 32 cells. `quick`: the first stack of each family. Stops after the stack at hand once
-/// `interrupted` is set.
-void measure_model_accuracy(bool quick, double tolerance,
+/// 16 x 32 cells. `quick`: the first stack of each family. Ends after the stack at hand once the
+/// monitor stops.
+void measure_model_accuracy(bool quick, double tolerance, const RunMonitor& monitor,
                             const std::function<void(const ModelAccuracy&)>& report);
 
 }  // namespace lamella

@@ -114,7 +114,7 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
 }
 
 RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, std::uint64_t walks,
-                             std::uint64_t seed, const std::atomic<bool>* interrupted) {
+                             std::uint64_t seed, const StopFlag* stop) {
   constexpr int kNodes = 16, kAzimuths = 16;
   using Rule = boost::math::quadrature::gauss<double, kNodes>;
   w = with_grazing_limit(w);
@@ -126,7 +126,7 @@ RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, 
                       .seconds = {}};
 
   Simulation along(stack, plan, w, Estimator::analog, CellGrid{1, 1, false}, seed);
-  lamella::run(along, rule, {}, interrupted);
+  lamella::run(along, rule, {}, stop);
   const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
     double sum = 0;
     for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
@@ -148,7 +148,7 @@ RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, 
       const double x = (k % 2 ? 1 : -1) * Rule::abscissa()[half];
       const double mu = std::sqrt((x + 1) / 2), weight = Rule::weights()[half] / 2;
       Simulation node(stack, plan, direction_from_mu_phi(side * mu, 0), turned, seed + k + 1);
-      lamella::run(node, rule, {}, interrupted);
+      lamella::run(node, rule, {}, stop);
       const Estimate f = batch_estimate(node.batches(), [](const BatchTally& b) {
         return std::accumulate(b.f.begin(), b.f.end(), 0.0) / kAzimuths;
       });

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <atomic>
 #include <optional>
 #include <string>
 
+#include "compare/request/interrupt.h"
 #include "volume/run/simulation.h"
 #include "volume/solver/deterministic.h"
 
@@ -41,11 +41,11 @@ struct RadianceCheck {
 
 /// Measures that radiance by light from Gauss-Legendre directions over both hemispheres, and
 /// predicts it from the total transmittance of light entering along w reversed. For stacks that are
-/// open below, symmetric about z and white, without delta flakes. `walks` in all; `interrupted`,
-/// once set, ends each part early.
+/// open below, symmetric about z and white, without delta flakes. `walks` in all; `stop`, once
+/// set, ends each part early.
 [[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
                                            std::uint64_t walks, std::uint64_t seed,
-                                           const std::atomic<bool>* interrupted = nullptr);
+                                           const StopFlag* stop = nullptr);
 
 /// The same from a solved stack, errors being bounds.
 [[nodiscard]] RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w);

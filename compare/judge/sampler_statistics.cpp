@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "compare/bench/benchmark.h"
+#include "compare/request/stopwatch.h"
 #include "phase/random/random.h"
 
 namespace lamella {

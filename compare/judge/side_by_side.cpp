@@ -7,6 +7,7 @@
 
 #include "compare/judge/projection.h"
 #include "compare/request/model_request.h"
+#include "phase/math/degrees.h"
 #include "volume/grains/grain_measure.h"
 #include "volume/run/simulation.h"
 
@@ -23,11 +24,10 @@ double mean_energy(const std::vector<double>& lobe) {
   return sum * kPi / static_cast<double>(lobe.size());
 }
 
-RunResult walked(const Stack& stack, const RunResult& like, const Options& options) {
-  Simulation simulation(stack, plan_of(options, stack), like.incident, Estimator::analog, like.grid,
-                        options.seed + 1);
-  run(simulation, {.walks = kMoreWalks * like.walks, .target_error = {}, .seconds = {}}, {},
-      &interrupted);
+RunResult walked(const TruthRequest& medium, const RunResult& like, const StopFlag* stop) {
+  Simulation simulation(medium.stack, plan_of(medium), like.incident, Estimator::analog, like.grid,
+                        medium.seed + 1);
+  run(simulation, {.walks = kMoreWalks * like.walks, .target_error = {}, .seconds = {}}, {}, stop);
   return reduce(simulation);
 }
 
@@ -47,10 +47,11 @@ RelativeError relative_error(const LobeEstimate& truth, const std::vector<double
   return {std::sqrt(std::max(0.0, difference - variance) / square), std::sqrt(variance / square)};
 }
 
-std::vector<SideBySide> side_by_side(const Stack& stack, const std::vector<RunResult>& runs,
-                                     const Options& options) {
+std::vector<SideBySide> side_by_side(const TruthRequest& request,
+                                     const std::vector<RunResult>& runs, const StopFlag* stop) {
+  const Stack& stack = request.stack;
   const GrainMeasurement measured =
-      measure_grains(*stack.grains(), options.seed, kRealisations, kRays);
+      measure_grains(*stack.grains(), request.seed, kRealisations, kRays);
   std::vector<SideBySide> rows;
   for (const Equivalent kind :
        {Equivalent::lambert_sphere, Equivalent::vmf_flake, Equivalent::sggx}) {
@@ -60,14 +61,14 @@ std::vector<SideBySide> side_by_side(const Stack& stack, const std::vector<RunRe
     } catch (const std::invalid_argument&) {
       continue;  // no such medium for these grains
     }
-    Options every = options;
-    every.models.clear();
-    const std::vector<BoundModel> models = models_for(every, medium);
+    const std::vector<BoundModel> models = models_for({}, medium);
+    TruthRequest of_medium = request;
+    of_medium.stack = medium;
     for (const RunResult& grains : runs) {
-      if (interrupted) return rows;
+      if (is_set(stop)) return rows;
       // Light from below has no counterpart where the medium became a half space.
       if (grains.incident.z < 0 && !medium.is_open_below()) continue;
-      const RunResult flat = walked(medium, grains, options);
+      const RunResult flat = walked(of_medium, grains, stop);
       const bool up = grains.incident.z > 0;
       std::vector<ProjectedLobes> projections;
       for (const BoundModel& m : models)

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "analytic/model/model.h"
-#include "compare/options/options.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/truth_request.h"
 
 namespace lamella {
 
@@ -35,10 +36,11 @@ struct SideBySide {
 };
 
 /// Measures the geometry, walks the media that can stand for it (volume/grains/grain_measure.h) and
-/// projects the closed forms that apply to those, for each of the runs among the grains.
-[[nodiscard]] std::vector<SideBySide> side_by_side(const Stack& stack,
+/// projects the closed forms that apply to those, for each of the runs among the grains of the
+/// request's stack. `stop`, once set, leaves out what is still to be had.
+[[nodiscard]] std::vector<SideBySide> side_by_side(const TruthRequest& request,
                                                    const std::vector<RunResult>& runs,
-                                                   const Options& options);
+                                                   const StopFlag* stop);
 
 [[nodiscard]] std::string side_by_side_table(const std::vector<SideBySide>& rows);
 

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "compare/options/options.h"
+#include "compare/request/errors.h"
 
 namespace lamella {
 namespace {

@@ -8,6 +8,7 @@
 #include "compare/files/base64.h"
 #include "compare/files/output_folder.h"
 #include "compare/report/lobe_files.h"
+#include "compare/request/interrupt.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -36,45 +37,28 @@ void add_channels(ExrImage& image, const std::string& layer, const PreviewImage&
   }
 }
 
-// "THETA,PHI" in degrees.
-std::pair<double, double> lamp_of(const std::string& text) {
-  const std::size_t comma = text.find(',');
-  const auto theta = parse_number(std::string_view(text).substr(0, comma));
-  const auto phi =
-      comma == std::string::npos ? std::optional(0.0) : parse_number(text.substr(comma + 1));
-  if (!theta || !phi || !(*theta >= 0 && *theta < 180) || !std::isfinite(*phi))
-    throw UsageError(fmt::format(
-        "--light: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180)", text));
-  return {*theta, *phi};
-}
-
-std::string title_of(const PreviewView& view, const Options& options) {
+std::string title_of(const PreviewView& view, const PreviewLighting& lighting) {
   return fmt::format("{} under {}", to_text(view.scene),
-                     view.light == PreviewLight::lamp   ? "a distant lamp"
-                     : options.environment == "uniform" ? "uniform light"
-                                                        : "the environment");
+                     view.light == PreviewLight::lamp    ? "a distant lamp"
+                     : lighting.environment.is_uniform() ? "uniform light"
+                                                         : "the environment");
 }
 
 std::string png_url(const std::string& png) { return "data:image/png;base64," + base64(png); }
 
 }  // namespace
 
-PreviewLighting preview_lighting(const Options& options) {
-  const auto [theta, phi] = lamp_of(options.light);
-  return {theta, phi,
-          options.environment == "uniform" ? Environment() : Environment(options.environment)};
-}
-
 std::string PreviewResult::name() const { return to_text(view.scene) + "_" + to_text(view.light); }
 
 std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                          const std::vector<BoundModel>& models,
                                          const std::vector<std::string>& names,
-                                         const PreviewLighting& lighting, int size) {
+                                         const PreviewLighting& lighting, int size,
+                                         const StopFlag* stop) {
   std::vector<PreviewResult> views;
   for (const PreviewScene scene : {PreviewScene::sphere, PreviewScene::plane})
     for (const PreviewLight light : {PreviewLight::lamp, PreviewLight::environment}) {
-      if (interrupted) return views;
+      if (is_set(stop)) return views;
       PreviewResult result{{scene, light, size, lighting.lamp_theta, lighting.lamp_phi}, {}};
       const auto draw = [&](const std::string& name, const Reflection& f) {
         result.columns.push_back({name, render(f, result.view, lighting.environment)});
@@ -88,7 +72,8 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
 }
 
 void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
-                         const LobeTable& truth, const Stack& stack, const Options& options) {
+                         const LobeTable& truth, const Stack& stack,
+                         const PreviewLighting& lighting) {
   for (const PreviewResult& result : views) {
     ExrImage image;
     image.width = result.view.width();
@@ -106,7 +91,7 @@ void write_preview_files(const std::string& prefix, const std::vector<PreviewRes
       add_channels(image, result.columns[k].name, result.columns[k].image, k == 0);
     write_exr(prefix + result.name() + ".exr", image);
     write_file(prefix + result.name() + ".png",
-               draw_preview(stack.name + ": " + title_of(result.view, options), result.columns));
+               draw_preview(stack.name + ": " + title_of(result.view, lighting), result.columns));
   }
 }
 
@@ -124,7 +109,7 @@ Json to_json(const std::vector<PreviewResult>& views) {
 }
 
 Json preview_page_details(const std::vector<PreviewResult>& views, const LobeTable& truth,
-                          const Options& options) {
+                          const PreviewLighting& lighting) {
   Json list = Json::array();
   for (const PreviewResult& result : views) {
     const PreviewScales scales = scales_of(result.columns);
@@ -137,7 +122,7 @@ Json preview_page_details(const std::vector<PreviewResult>& views, const LobeTab
             png_url(difference_png(result.columns.front().image, image, scales.difference));
       pictures.push_back(std::move(picture));
     }
-    list.push_back({{"title", title_of(result.view, options)},
+    list.push_back({{"title", title_of(result.view, lighting)},
                     {"width", result.view.width()},
                     {"height", result.view.height()},
                     {"limit", scales.difference.high},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compare/preview/preview.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/truth/lobe_table.h"
 
@@ -15,8 +16,6 @@ struct PreviewLighting {
   double lamp_theta = 45, lamp_phi = 45;  ///< degrees
   Environment environment{};
 };
-/// From --light and --environment. Throws UsageError or OutputError.
-[[nodiscard]] PreviewLighting preview_lighting(const Options& options);
 
 /// One view of a preview, drawn: the truth first, then every model.
 struct PreviewResult {
@@ -27,16 +26,17 @@ struct PreviewResult {
 };
 
 /// Sphere and plane, under the lamp and under the environment, `size` pixels across; fewer once
-/// `interrupted` is set. `names`: one per model. Runs in the calling thread's
-/// task arena.
+/// `stop` is set. `names`: one per model. Runs in the calling thread's task arena.
 [[nodiscard]] std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                                        const std::vector<BoundModel>& models,
                                                        const std::vector<std::string>& names,
-                                                       const PreviewLighting& lighting, int size);
+                                                       const PreviewLighting& lighting, int size,
+                                                       const StopFlag* stop);
 
 /// Writes `prefix`NAME.exr and .png of every view. Throws OutputError.
 void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
-                         const LobeTable& truth, const Stack& stack, const Options& options);
+                         const LobeTable& truth, const Stack& stack,
+                         const PreviewLighting& lighting);
 
 /// For an answer: per view its scene and light, and the mean luminance of each picture.
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PreviewResult>& views);
@@ -45,7 +45,7 @@ void write_preview_files(const std::string& prefix, const std::vector<PreviewRes
 /// PNG, and the scale of the differences with its colours.
 [[nodiscard]] nlohmann::ordered_json preview_page_details(const std::vector<PreviewResult>& views,
                                                           const LobeTable& truth,
-                                                          const Options& options);
+                                                          const PreviewLighting& lighting);
 
 /// A line per picture for a table.
 [[nodiscard]] std::string preview_table(const std::vector<PreviewResult>& views);

@@ -8,6 +8,7 @@
 
 #include "compare/files/base64.h"
 #include "compare/report/json_report.h"
+#include "phase/math/degrees.h"
 
 namespace lamella {
 namespace {

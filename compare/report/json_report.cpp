@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compare/files/output_folder.h"
+#include "phase/math/degrees.h"
 
 namespace lamella {
 
@@ -61,19 +62,21 @@ Json to_json(const Stack& stack) {
   return out;
 }
 
-Json json_header(const std::string& command, const Options& options) {
+Json json_header(const std::string& command, std::uint64_t seed, Isa isa) {
   return {{"format", 1},
           {"command", command},
           {"version", LAMELLA_VERSION},
-          {"seed", options.seed},
+          {"seed", seed},
           {"threads", tbb::this_task_arena::max_concurrency()},
-          {"isa", to_text(isa_of(options))}};
+          {"isa", to_text(isa)}};
 }
 
-Json json_header(const std::string& command, const Stack& stack, const Options& options) {
-  Json header{
-      {"format", 1}, {"command", command}, {"version", LAMELLA_VERSION}, {"stack", to_json(stack)}};
-  header.update(json_header(command, options));
+Json json_header(const std::string& command, const TruthRequest& request) {
+  Json header{{"format", 1},
+              {"command", command},
+              {"version", LAMELLA_VERSION},
+              {"stack", to_json(request.stack)}};
+  header.update(json_header(command, request.seed, request.isa));
   return header;
 }
 
@@ -105,11 +108,11 @@ Json side_json(const SideResult& side, int channels) {
 
 }  // namespace
 
-void add_choice(Json& answer, const EstimatorChoice& choice, const Options& options) {
+void add_choice(Json& answer, const EstimatorChoice& choice, const TruthRequest& request) {
   answer["estimator"] = to_text(choice.estimator);
-  answer["estimator_asked"] = options.estimator;
+  answer["estimator_asked"] = estimator_asked(request);
   answer["estimator_reason"] = choice.reason;
-  if (choice.solution) answer["tolerance"] = options.tolerance;
+  if (choice.solution) answer["tolerance"] = request.tolerance;
 }
 
 Json to_json(const RunResult& run) {
@@ -138,13 +141,13 @@ Json to_json(const RunResult& run) {
   return out;
 }
 
-void write_json(const Json& answer, const Options& options) {
-  if (options.json.empty()) return;
+void write_json(const Json& answer, const std::string& path) {
+  if (path.empty()) return;
   const std::string text = answer.dump(2) + "\n";
-  if (options.json == "-")
+  if (path == "-")
     fmt::print(stdout, "{}", text);
   else
-    write_file(options.json, text);
+    write_file(path, text);
 }
 
 }  // namespace lamella

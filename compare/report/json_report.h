@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "compare/options/options.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "phase/stack/stack.h"
 #include "volume/result/run_result.h"
@@ -12,10 +12,10 @@ namespace lamella {
 
 /// What every JSON answer starts with: format, command, stack (if there is one), seed, threads,
 /// isa.
+[[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, std::uint64_t seed,
+                                                 Isa isa);
 [[nodiscard]] nlohmann::ordered_json json_header(const std::string& command,
-                                                 const Options& options);
-[[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, const Stack& stack,
-                                                 const Options& options);
+                                                 const TruthRequest& request);
 
 /// The resolved stack, every default filled in; infinity is the string "inf".
 [[nodiscard]] nlohmann::ordered_json to_json(const Stack& stack);
@@ -33,12 +33,12 @@ namespace lamella {
 /// The estimator that was used, the one that was asked for, and why: "estimator",
 /// "estimator_asked", "estimator_reason", and the solver's "tolerance".
 void add_choice(nlohmann::ordered_json& answer, const EstimatorChoice& choice,
-                const Options& options);
+                const TruthRequest& request);
 
 /// One incident direction of `simulate`.
 [[nodiscard]] nlohmann::ordered_json to_json(const RunResult& run);
 
-/// Writes the answer to the file or stdout that --json names; nothing if it was not given.
-void write_json(const nlohmann::ordered_json& answer, const Options& options);
+/// Writes the answer to a file, or to stdout if that is "-"; nothing if the path is empty.
+void write_json(const nlohmann::ordered_json& answer, const std::string& path);
 
 }  // namespace lamella

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compare/drawing/lobe_picture.h"
+#include "phase/math/degrees.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -37,24 +38,23 @@ int index_of(const std::vector<RunResult>& runs, Direction wi) {
   return 0;
 }
 
-ExrImage empty_image(const Stack& stack, const std::vector<RunResult>& runs,
-                     const Options& options) {
+ExrImage empty_image(const TruthRequest& request, const std::vector<RunResult>& runs) {
   ExrImage image;
   image.width = runs[0].grid.columns();
   image.height = runs[0].grid.rows();
-  image.attributes = file_attributes(stack, runs, options);
+  image.attributes = file_attributes(request, runs);
   return image;
 }
 
 // What the channels named se hold, and of the solver how far it got.
 void add_error_attributes(std::map<std::string, std::string>& attributes,
-                          const std::vector<RunResult>& runs, const Options& options) {
+                          const std::vector<RunResult>& runs, double tolerance) {
   if (!runs[0].is_bounded()) {
     attributes["lamella.se"] = "standard error";
     return;
   }
   attributes["lamella.se"] = "error bound of the deterministic solver";
-  attributes["lamella.tolerance"] = to_text(options.tolerance);
+  attributes["lamella.tolerance"] = to_text(tolerance);
   std::string& reached = attributes["lamella.error_reached"];
   for (const RunResult& run : runs)
     reached += fmt::format("{}{:.1e}", reached.empty() ? "" : " ", run.accuracy->error);
@@ -65,9 +65,8 @@ void add_error_attributes(std::map<std::string, std::string>& attributes,
 
 }  // namespace
 
-std::map<std::string, std::string> file_attributes(const Stack& stack,
-                                                   const std::vector<RunResult>& runs,
-                                                   const Options& options) {
+std::map<std::string, std::string> file_attributes(const TruthRequest& request,
+                                                   const std::vector<RunResult>& runs) {
   std::string degrees, directions, walks;
   for (const RunResult& run : runs) {
     degrees += fmt::format("{}{},{}", degrees.empty() ? "" : " ", theta_degrees(run.incident),
@@ -79,15 +78,15 @@ std::map<std::string, std::string> file_attributes(const Stack& stack,
   const CellGrid& grid = runs[0].grid;
   std::map<std::string, std::string> attributes{
       {"lamella.version", LAMELLA_VERSION},
-      {"lamella.stack", to_toml(stack)},
-      {"lamella.stack_name", stack.name},
-      {"lamella.seed", fmt::format("{}", options.seed)},
+      {"lamella.stack", to_toml(request.stack)},
+      {"lamella.stack_name", request.stack.name},
+      {"lamella.seed", fmt::format("{}", request.seed)},
       {"lamella.walks", walks},
       {"lamella.max_order", fmt::format("{}", runs[0].max_order)},
       {"lamella.thin_from", fmt::format("{}", runs[0].thinning.first)},
       {"lamella.estimator", to_text(runs[0].estimator)},
-      {"lamella.estimator_asked", options.estimator},
-      {"lamella.isa", to_text(isa_of(options))},
+      {"lamella.estimator_asked", estimator_asked(request)},
+      {"lamella.isa", to_text(request.isa)},
       {"lamella.incident", degrees},
       {"lamella.directions", directions},
       {"lamella.grid", fmt::format("{}x{}", grid.mu_cells, grid.phi_cells)},
@@ -99,13 +98,12 @@ std::map<std::string, std::string> file_attributes(const Stack& stack,
        "relative to w_i from 0; y: mu_o^2 in equal steps, normal incidence at the top; both "
        "directions point away from the stack; wiN: N-th incident direction (theta,phi in "
        "degrees); se: what lamella.se says"}};
-  add_error_attributes(attributes, runs, options);
+  add_error_attributes(attributes, runs, request.tolerance);
   return attributes;
 }
 
-ExrImage simulation_image(const Stack& stack, const std::vector<RunResult>& runs,
-                          const Options& options) {
-  ExrImage image = empty_image(stack, runs, options);
+ExrImage simulation_image(const TruthRequest& request, const std::vector<RunResult>& runs) {
+  ExrImage image = empty_image(request, runs);
   for (std::size_t k = 0; k < runs.size(); ++k)
     for (const bool reflected : {true, false}) {
       const SideResult& side = reflected ? runs[k].reflected : runs[k].transmitted;
@@ -120,10 +118,9 @@ ExrImage simulation_image(const Stack& stack, const std::vector<RunResult>& runs
   return image;
 }
 
-ExrImage comparison_image(const Stack& stack, const std::vector<RunResult>& runs,
-                          const std::vector<LobeComparison>& lobes, const Options& options,
-                          const std::string& model) {
-  ExrImage image = empty_image(stack, runs, options);
+ExrImage comparison_image(const TruthRequest& request, const std::vector<RunResult>& runs,
+                          const std::vector<LobeComparison>& lobes, const std::string& model) {
+  ExrImage image = empty_image(request, runs);
   image.attributes["lamella.model"] = model;
   for (const LobeComparison& l : lobes) {
     const int run = index_of(runs, l.wi), order = static_cast<int>(l.order);

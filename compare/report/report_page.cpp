@@ -64,14 +64,4 @@ void write_report_page(const std::filesystem::path& path, const std::string& tit
   write_file(path, report_page(title, answer, details));
 }
 
-void write_html(const nlohmann::ordered_json& answer, const std::string& title,
-                const Options& options) {
-  write_html(answer, title, options, nullptr);
-}
-
-void write_html(const nlohmann::ordered_json& answer, const std::string& title,
-                const Options& options, const nlohmann::ordered_json& details) {
-  if (!options.html.empty()) write_report_page(options.html, title, answer, details);
-}
-
 }  // namespace lamella

@@ -4,8 +4,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "compare/options/options.h"
-
 namespace lamella {
 
 /// One self-contained HTML page: the template that was built from compare/report with the numbers
@@ -18,11 +16,5 @@ namespace lamella {
 /// report_page to a file. Throws OutputError.
 void write_report_page(const std::filesystem::path& path, const std::string& title,
                        const nlohmann::ordered_json& answer, const nlohmann::ordered_json& details);
-
-/// Writes the page to the file that --html names; nothing if it was not given.
-void write_html(const nlohmann::ordered_json& answer, const std::string& title,
-                const Options& options);
-void write_html(const nlohmann::ordered_json& answer, const std::string& title,
-                const Options& options, const nlohmann::ordered_json& details);
 
 }  // namespace lamella

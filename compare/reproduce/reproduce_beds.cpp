@@ -8,6 +8,7 @@
 #include "compare/judge/projection.h"
 #include "compare/judge/side_by_side.h"
 #include "compare/reproduce/reproduction.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "phase/stack/stack_file.h"
 #include "volume/grains/grain_measure.h"
@@ -31,10 +32,10 @@ Stack sphere_bed(double radius, double packing, double thickness, double albedo)
 }
 
 RunResult walked(const Stack& stack, Direction wi, const CellGrid& grid, std::uint64_t walks,
-                 const Options& options, std::uint64_t max_order = 1000) {
+                 const ReproductionContext& context, std::uint64_t max_order = 1000) {
   Simulation simulation(stack, make_plan(stack, {.max_order = max_order}), wi, Estimator::analog,
-                        grid, options.seed);
-  run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, &interrupted);
+                        grid, context.seed);
+  run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, context.stop);
   return reduce(simulation);
 }
 
@@ -69,7 +70,7 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
                                 "relative RMSE of the BRDF, all orders"};
   for (int k = 0; k < 4; ++k) series[k].label = labels[k];
   for (const double packing : packings) {
-    if (interrupted) break;
+    if (is_set(context.stop)) break;
     const double extinction = 3 * packing / (4 * kRadius), thickness = kDepth / extinction;
     const Stack bed = sphere_bed(kRadius, packing, thickness, kAlbedo);
     const Stack medium = parse_stack(
@@ -78,8 +79,8 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
             "{}\n",
             kAlbedo, thickness, extinction),
         "reproduction", "medium");
-    const RunResult grains = walked(bed, wi, kCells, walks, context.options);
-    const RunResult flat = walked(medium, wi, kCells, 8 * walks, context.options);
+    const RunResult grains = walked(bed, wi, kCells, walks, context);
+    const RunResult flat = walked(medium, wi, kCells, 8 * walks, context);
     const auto compared = [&](const Estimate& a, const Estimate& b) {
       return Estimate{a.value / b.value - 1,
                       std::hypot(a.standard_error, b.standard_error) / b.value};
@@ -149,10 +150,10 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
               .y_label = "relative RMSE",
               .series = {}};
   for (const double packing : packings) {
-    if (interrupted) break;
+    if (is_set(context.stop)) break;
     const Stack finest = sphere_bed(radii.back(), packing, kThickness, kAlbedo);
     const GrainMeasurement measured =
-        measure_grains(*finest.grains(), context.options.seed, kRealisations, kRays);
+        measure_grains(*finest.grains(), context.seed, kRealisations, kRays);
     const double r = measured.vmf.roughness.value;
     const ProjectedLobes model =
         projected(fmt::format("vmf_diffuse,roughness={},albedo={}", r, kAlbedo), nullptr, wi,
@@ -167,9 +168,9 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
     ChartSeries curve{
         .label = fmt::format("packing {:g}, r = {:.3f}", packing, r), .x = {}, .y = {}};
     for (const double radius : radii) {
-      if (interrupted) break;
+      if (is_set(context.stop)) break;
       const Stack bed = sphere_bed(radius, packing, kThickness, kAlbedo);
-      const RunResult run = walked(bed, wi, kCells, walks, context.options);
+      const RunResult run = walked(bed, wi, kCells, walks, context);
       const double leaks = run.transmitted.total[0].value + run.uncollided[0].value;
       const RelativeError one = relative_error(run.reflected.lobes[0], model.lobes[0]);
       const RelativeError all = relative_error(run.reflected.lobes[kTallyOrders], model.lobes[4]);
@@ -209,7 +210,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
   constexpr double kPacking = 2, kRadius = 1, kThickness = 40, kRoughness = 0.4, kAlpha = 1.4;
   const Stack bed = sphere_bed(kRadius, kPacking, kThickness, 1);
   const GrainMeasurement measured =
-      measure_grains(*bed.grains(), context.options.seed, kRealisations, kRays);
+      measure_grains(*bed.grains(), context.seed, kRealisations, kRays);
   const BoundModel vmf = bind_model(
       parse_model_request(fmt::format("vmf_diffuse,roughness={},albedo=1", kRoughness)), nullptr);
   std::optional<BoundModel> beckmann;
@@ -226,7 +227,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
         measured.vmf.roughness.standard_error);
   Json rows = Json::array();
   for (const double theta_i : {30.0, 60.0}) {
-    if (interrupted) break;
+    if (is_set(context.stop)) break;
     const Direction wi = direction_from_degrees(theta_i, 0);
     std::vector<double> angles;
     std::vector<Direction> points;
@@ -234,9 +235,9 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
       angles.push_back(a);
       points.push_back(direction_from_degrees(std::abs(a), a < 0 ? 180 : 0));
     }
-    Simulation simulation(bed, make_plan(bed, {.max_order = 2}), wi, points, context.options.seed);
+    Simulation simulation(bed, make_plan(bed, {.max_order = 2}), wi, points, context.seed);
     run(simulation, {.walks = context.walks / 4, .target_error = {}, .seconds = {}}, {},
-        &interrupted);
+        context.stop);
     for (int order = 0; order < 2; ++order) {
       const auto model_value = [&](const BoundModel& m, Direction wo) {
         return m.model->eval_lobe(order, wi, wo).g;

@@ -6,6 +6,7 @@
 #include "analytic/layered/micrograin.h"
 #include "compare/drawing/chart.h"
 #include "compare/reproduce/reproduction.h"
+#include "compare/request/interrupt.h"
 #include "phase/math/sampling.h"
 #include "volume/grains/grain_scene.h"
 #include "volume/result/tally.h"
@@ -80,10 +81,10 @@ void closing(const ReproductionContext& context, const Json& rows) {
 /// The share of vertical or slanted rays that meet grains, or the normals that they meet.
 template <class F>
 void for_realisations(const ReproductionContext& context, const GrainGeometry& g, const F& f) {
-  for (int k = 0; k < kRealisations && !interrupted; ++k) {
-    const auto centres = place_grains(g, context.options.seed, k);
+  for (int k = 0; k < kRealisations && !is_set(context.stop); ++k) {
+    const auto centres = place_grains(g, context.seed, k);
     const GrainScene scene(g, centres);
-    RandomStream stream(context.options.seed, k, StreamPurpose::measure);
+    RandomStream stream(context.seed, k, StreamPurpose::measure);
     f(centres, scene, stream);
   }
 }

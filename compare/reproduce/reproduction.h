@@ -1,17 +1,19 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "compare/options/options.h"
+#include "compare/request/interrupt.h"
 
 namespace lamella {
 
 /// What a reproduction of a published figure has to work with.
 struct ReproductionContext {
-  const Options& options;
+  std::uint64_t seed;
+  const StopFlag* stop;
   std::FILE* table;    ///< where the table goes; nullptr: nowhere
   std::string folder;  ///< where the pictures go
   std::vector<std::string> pictures = {};

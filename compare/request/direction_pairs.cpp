@@ -8,7 +8,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "compare/options/options.h"
+#include "compare/request/errors.h"
 
 namespace lamella {
 namespace {

@@ -2,14 +2,49 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "analytic/catalogue/model_plugin.h"
+#include "compare/request/errors.h"
 
 namespace lamella {
 
+ModelRequest parse_model_request(const std::string& text) {
+  ModelRequest request;
+  std::size_t from = 0;
+  for (bool first = true; from <= text.size(); first = false) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const std::string part = text.substr(from, comma - from);
+    from = comma + 1;
+    const std::size_t equals = part.find('=');
+    if (first) {
+      request.name = part;
+    } else if (equals != std::string::npos) {
+      request.values.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+    } else if (!request.values.empty()) {
+      request.values.back().second += "," + part;
+    } else {
+      throw UsageError(
+          fmt::format("--model {}: found \"{}\" after the name; allowed: key=value", text, part));
+    }
+  }
+  return request;
+}
+
+ModelRequest parse_model_words(const std::vector<std::string>& words) {
+  ModelRequest request{words[0], {}};
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::size_t equals = words[k].find('=');
+    if (equals == std::string::npos)
+      throw UsageError(fmt::format("{}: found \"{}\"; allowed: key=value", words[0], words[k]));
+    request.values.emplace_back(words[k].substr(0, equals), words[k].substr(equals + 1));
+  }
+  return request;
+}
+
 Parameters read_parameters(const std::string& what, const std::vector<ParameterInfo>& infos,
-                           const std::vector<std::pair<std::string, std::string>>& values) {
+                           const KeyValues& values) {
   Parameters parameters;
   std::vector<std::string> names;
   for (const ParameterInfo& info : infos) names.push_back(info.name);
@@ -89,26 +124,25 @@ std::string to_request(const BoundModel& model) {
   return text;
 }
 
-std::vector<BoundModel> models_for(const Options& options, const Stack& stack) {
+BoundModel model_for(const ModelRequest& request, const Stack& stack) {
+  ModelRequest whole = request;
+  // What the request leaves open comes from the stack, where the model applies to it.
+  const ModelInfo* info = find_or_load_model(request.name);
+  if (info && info->applies_to)
+    if (const auto from_stack = info->applies_to(stack))
+      for (const auto& entry : from_stack->all()) {
+        const std::string& key = entry.first;
+        const bool given = std::any_of(request.values.begin(), request.values.end(),
+                                       [&](const auto& v) { return v.first == key; });
+        if (!given) whole.values.emplace_back(key, request_value(entry.second));
+      }
+  return bind_model(whole, &stack);
+}
+
+std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests, const Stack& stack) {
   std::vector<BoundModel> bound;
-  if (!options.models.empty()) {
-    for (const std::string& text : options.models) {
-      ModelRequest request = parse_model_request(text);
-      // What the command line leaves open comes from the stack, where the model applies to it.
-      const ModelInfo* info = find_or_load_model(request.name);
-      if (info && info->applies_to)
-        if (const auto from_stack = info->applies_to(stack))
-          for (const auto& entry : from_stack->all()) {
-            const std::string& key = entry.first;
-            const bool given = std::any_of(request.values.begin(), request.values.end(),
-                                           [&](const auto& v) { return v.first == key; });
-            if (given) continue;
-            request.values.emplace_back(key, request_value(entry.second));
-          }
-      bound.push_back(bind_model(request, &stack));
-    }
-    return bound;
-  }
+  for (const ModelRequest& request : requests) bound.push_back(model_for(request, stack));
+  if (!requests.empty()) return bound;
   for (const ModelInfo& info : models()) {
     if (!info.applies_to) continue;
     auto parameters = info.applies_to(stack);

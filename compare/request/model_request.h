@@ -1,11 +1,29 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "analytic/model/model.h"
-#include "compare/options/options.h"
 
 namespace lamella {
+
+/// key=value texts, in the order in which they were given.
+using KeyValues = std::vector<std::pair<std::string, std::string>>;
+
+/// A model as it is asked for: NAME,key=value,...
+struct ModelRequest {
+  std::string name;
+  KeyValues values;
+};
+
+/// Splits "NAME,key=value,..."; a comma inside a value (albedo=0.9,0.5,0.2) stays with it. Throws
+/// UsageError.
+[[nodiscard]] ModelRequest parse_model_request(const std::string& text);
+
+/// The same of words: the name, then one key=value each. Throws UsageError.
+[[nodiscard]] ModelRequest parse_model_words(const std::vector<std::string>& words);
 
 /// A model with its parameters fixed.
 struct BoundModel {
@@ -19,7 +37,10 @@ struct BoundModel {
 [[nodiscard]] BoundModel bind_model(const ModelRequest& request, const Stack* stack);
 
 /// The models to judge on a stack: those asked for, or else all that apply to it.
-[[nodiscard]] std::vector<BoundModel> models_for(const Options& options, const Stack& stack);
+[[nodiscard]] std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests,
+                                                 const Stack& stack);
+/// One of them.
+[[nodiscard]] BoundModel model_for(const ModelRequest& request, const Stack& stack);
 
 /// The models' names; where one is there several times, with a number each: for files and columns.
 [[nodiscard]] std::vector<std::string> distinct_names(const std::vector<BoundModel>& models);
@@ -28,9 +49,9 @@ struct BoundModel {
 [[nodiscard]] std::string to_request(const BoundModel& model);
 
 /// Reads key=value texts by a list of parameters, defaults filled in. `what` is named in errors.
-[[nodiscard]] Parameters read_parameters(
-    const std::string& what, const std::vector<ParameterInfo>& infos,
-    const std::vector<std::pair<std::string, std::string>>& values);
+[[nodiscard]] Parameters read_parameters(const std::string& what,
+                                         const std::vector<ParameterInfo>& infos,
+                                         const KeyValues& values);
 
 /// Nanoseconds per evaluation of one pair, of single calls.
 [[nodiscard]] double nanoseconds_per_eval(const Model& model);

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "compare/options/options.h"
+#include "compare/request/errors.h"
+#include "compare/request/numbers.h"
 #include "phase/parameters/parameters.h"
 #include "phase/stack/stack_file.h"
 

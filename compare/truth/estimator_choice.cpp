@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/request/errors.h"
 #include "phase/parameters/parameters.h"
 #include "volume/solver/deterministic_run.h"
 
@@ -23,42 +24,44 @@ std::string cost_of(const DeterministicAccuracy& a) {
 }
 
 // A repeated run takes no notice of the clock: it goes as far as the first one went.
-void end_where_it_ended(DeterministicOptions& solver, const Options& options) {
-  if (!options.solver_end) return;
-  solver.max_nodes = options.solver_end->nodes;
-  solver.last_modes = options.solver_end->modes;
+void end_where_it_ended(DeterministicOptions& solver, const TruthRequest& request) {
+  if (!request.solver_end) return;
+  solver.max_nodes = request.solver_end->nodes;
+  solver.last_modes = request.solver_end->modes;
   solver.max_seconds = std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
 
-void check_estimator(const Stack& stack, const Options& options) {
-  if (options.estimator != "deterministic") return;
-  if (const auto reason = why_not_deterministic(stack))
+void check_estimator(const TruthRequest& request) {
+  if (request.estimator != Estimator::deterministic) return;
+  if (const auto reason = why_not_deterministic(request.stack))
     throw UsageError(fmt::format(
         "--estimator: found \"deterministic\" for {}, but {}; allowed: auto, analog, next-event",
-        stack.name, *reason));
+        request.stack.name, *reason));
 }
 
-EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Estimator of_walks) {
-  if (options.estimator == "analog") return {Estimator::analog, "asked for", nullptr};
-  if (options.estimator == "next-event") return {Estimator::next_event, "asked for", nullptr};
-  check_estimator(stack, options);
-  DeterministicOptions solver{.tolerance = kSolverShare * options.tolerance, .stop = &interrupted};
-  if (options.estimator == "deterministic") {
-    solver.max_seconds = options.seconds.value_or(kSeconds);
-    end_where_it_ended(solver, options);
+EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
+                                 const StopFlag* stop) {
+  const Stack& stack = request.stack;
+  if (request.estimator && *request.estimator != Estimator::deterministic)
+    return {*request.estimator, "asked for", nullptr};
+  check_estimator(request);
+  DeterministicOptions solver{.tolerance = kSolverShare * request.tolerance, .stop = stop};
+  if (request.estimator == Estimator::deterministic) {
+    solver.max_seconds = request.effort.seconds.value_or(kSeconds);
+    end_where_it_ended(solver, request);
     const auto solution =
         std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
     return {Estimator::deterministic, "asked for", solution};
   }
-  if (!options.walk_options.empty())
-    return {of_walks, fmt::format("{} asks for walks", options.walk_options.front()), nullptr};
+  if (!request.given.empty())
+    return {of_walks, fmt::format("{} asks for walks", to_text(request.given.front())), nullptr};
   if (const auto reason = why_not_deterministic(stack)) return {of_walks, *reason, nullptr};
   solver.max_nodes = kTrialNodes;
   solver.max_modes = kTrialModes;
   solver.max_seconds = kTrialSeconds;
-  end_where_it_ended(solver, options);
+  end_where_it_ended(solver, request);
   const auto solution =
       std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
   const DeterministicAccuracy& reached = solution->accuracy();
@@ -69,7 +72,7 @@ EstimatorChoice choose_estimator(const Stack& stack, const Options& options, Est
             solution};
   return {of_walks,
           fmt::format("the solver reaches no more than {}, short of --tolerance {}",
-                      cost_of(reached), to_text(options.tolerance)),
+                      cost_of(reached), to_text(request.tolerance)),
           nullptr};
 }
 
@@ -77,19 +80,20 @@ std::string reached_by(const DeterministicSolution& solution) {
   return "the solver reaches " + cost_of(solution.accuracy());
 }
 
-std::shared_ptr<const DeterministicSolution> refined(const Stack& stack, const Options& options) {
-  DeterministicOptions solver{.tolerance = kRefinedShare * options.tolerance,
-                              .max_seconds = options.seconds.value_or(kSeconds),
-                              .stop = &interrupted};
-  end_where_it_ended(solver, options);
-  return std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+std::shared_ptr<const DeterministicSolution> refined(const TruthRequest& request,
+                                                     const StopFlag* stop) {
+  DeterministicOptions solver{.tolerance = kRefinedShare * request.tolerance,
+                              .max_seconds = request.effort.seconds.value_or(kSeconds),
+                              .stop = stop};
+  end_where_it_ended(solver, request);
+  return std::make_shared<const DeterministicSolution>(solve_deterministic(request.stack, solver));
 }
 
-std::string estimator_text(const EstimatorChoice& choice, const Options& options) {
+std::string estimator_text(const EstimatorChoice& choice, const TruthRequest& request) {
   return fmt::format("{} estimator{}, {}", to_text(choice.estimator),
-                     options.estimator == "auto" ? fmt::format(" (auto: {})", choice.reason) : "",
-                     choice.solution ? fmt::format("tolerance {}", to_text(options.tolerance))
-                                     : fmt::format("seed {}", options.seed));
+                     request.estimator ? "" : fmt::format(" (auto: {})", choice.reason),
+                     choice.solution ? fmt::format("tolerance {}", to_text(request.tolerance))
+                                     : fmt::format("seed {}", request.seed));
 }
 
 }  // namespace lamella

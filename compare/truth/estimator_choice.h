@@ -3,7 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "compare/options/options.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/truth_request.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {
@@ -22,22 +23,24 @@ struct EstimatorChoice {
 /// done in seconds, or is interrupted on the way with what it has; else a walk. `of_walks`: the
 /// estimator of walks where none is named. Throws UsageError where the solver is asked for and does
 /// not apply.
-[[nodiscard]] EstimatorChoice choose_estimator(const Stack& stack, const Options& options,
-                                               Estimator of_walks);
+[[nodiscard]] EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
+                                               const StopFlag* stop);
 
 /// A finer solution than the choice's, where cells miss a tolerance that the solver's probes met:
 /// pairs of directions and the quadratures over cells have errors of their own.
-[[nodiscard]] std::shared_ptr<const DeterministicSolution> refined(const Stack& stack,
-                                                                   const Options& options);
+[[nodiscard]] std::shared_ptr<const DeterministicSolution> refined(const TruthRequest& request,
+                                                                   const StopFlag* stop);
 
 /// Why `auto` took the solver: "the solver reaches 6.9e-08 with 24 nodes and 60 modes".
 [[nodiscard]] std::string reached_by(const DeterministicSolution& solution);
 
 /// For a table: "deterministic estimator (auto: ...), tolerance 1e-6" or "analog estimator, seed
 /// 1".
-[[nodiscard]] std::string estimator_text(const EstimatorChoice& choice, const Options& options);
+[[nodiscard]] std::string estimator_text(const EstimatorChoice& choice,
+                                         const TruthRequest& request);
 
-/// Throws UsageError where --estimator deterministic does not apply: cheap, before any work.
-void check_estimator(const Stack& stack, const Options& options);
+/// Throws UsageError where the deterministic estimator is asked for and does not apply: cheap,
+/// before any work.
+void check_estimator(const TruthRequest& request);
 
 }  // namespace lamella

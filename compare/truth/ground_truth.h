@@ -2,11 +2,11 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "compare/judge/comparison.h"
-#include "compare/options/options.h"
-#include "compare/request/model_request.h"
+#include "compare/request/run_monitor.h"
+#include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "volume/result/run_result.h"
 #include "volume/run/simulation.h"
@@ -25,42 +25,39 @@ struct Truth {
 /// direction of a stack.
 class GroundTruth {
  public:
-  /// `of_walks`: the estimator of walks where the options leave the choice. Throws UsageError where
-  /// directions or estimator do not suit the stack.
-  GroundTruth(const Stack& stack, const Options& options, CellGrid grid, Estimator of_walks);
-  /// The same for directions that are no option's.
-  GroundTruth(const Stack& stack, const Options& options, CellGrid grid, Estimator of_walks,
-              std::vector<Direction> directions);
+  /// `of_walks`: the estimator of walks where the request leaves the choice. Throws UsageError
+  /// where the estimator does not suit the stack.
+  GroundTruth(TruthRequest request, Estimator of_walks, RunMonitor monitor = {});
 
+  [[nodiscard]] const TruthRequest& request() const { return request_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
-  [[nodiscard]] const std::vector<Direction>& directions() const { return directions_; }
+  [[nodiscard]] const std::vector<Direction>& directions() const { return request_.directions; }
+  /// Whether the monitor's flag is set: what is found is less than what was asked for.
+  [[nodiscard]] bool is_stopped() const { return monitor_.is_stopped(); }
 
   /// The estimator and why it was chosen; the first call may solve the stack.
   [[nodiscard]] const EstimatorChoice& choice();
   [[nodiscard]] Estimator estimator() { return choice().estimator; }
 
-  /// Whether the k-th direction is still to be had: the first always, all until Ctrl-C, and after
-  /// it those that a solution answers, whichever nodes and modes it ended with.
+  /// Whether the k-th direction is still to be had: the first always, all until the monitor stops,
+  /// and after it those that a solution answers, whichever nodes and modes it ended with.
   [[nodiscard]] bool goes_on(std::size_t k) const;
-  /// The truth of the k-th direction, with progress on a terminal. Ctrl-C ends a walk at the next
-  /// checkpoint and sets `interrupted`. Says on stderr where less was reached than was asked for.
-  /// `walks`: of this direction, where they are no option's.
+  /// The truth of the k-th direction. A stop ends a walk at the next checkpoint. Warns where less
+  /// was reached than was asked for. `walks`: of this direction, where they are not the request's.
   [[nodiscard]] Truth find(std::size_t k, std::optional<std::uint64_t> walks = {});
 
  private:
-  Stack stack_;
-  Options options_;
-  CellGrid grid_;
+  TruthRequest request_;
   Estimator of_walks_;
+  RunMonitor monitor_;
   Plan plan_;
-  std::vector<Direction> directions_;
   std::optional<EstimatorChoice> choice_;
   std::vector<RunResult> solved_;  // one per direction, once the solver was used
 };
 
-/// A closed form against the truth of one direction: every lobe it stands for, on each side that
-/// the plan has. Verdicts wait for `decide`.
-[[nodiscard]] std::vector<LobeComparison> judge(const Truth& truth, const Plan& plan,
-                                                const BoundModel& model);
+/// Runs walks until the rule says stop and reduces them. `label`: of the run, for the monitor,
+/// which is warned where the walks ran out before the target error was reached.
+[[nodiscard]] RunResult run_walks(Simulation& simulation, const StopRule& rule,
+                                  const std::string& label, const RunMonitor& monitor);
 
 }  // namespace lamella

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/request/errors.h"
 #include "compare/truth/estimator_choice.h"
 #include "phase/stack/single_scattering.h"
 #include "volume/solver/deterministic.h"
@@ -83,15 +84,16 @@ void LobeTable::solve(const Stack& stack) {
   source_ = fmt::format("adding and doubling, tolerance {:g}", kTolerance);
 }
 
-void LobeTable::walk(const Stack& stack, const Options& options) {
+void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
   std::vector<Direction> points;
   for (int o = 0; o < kMuNodes; ++o)
     for (int p = 0; p < kPhiNodes; ++p)
       points.push_back(direction_from_mu_phi(node_mu(o), node_phi(p)));
-  const Plan plan = plan_of(options, stack);
+  const Plan plan = plan_of(request);
   for (int i = 0; i < kMuNodes; ++i) {
-    Simulation simulation(stack, plan, direction_from_mu_phi(node_mu(i), 0), points, options.seed);
-    run(simulation, {.walks = options.walks, .target_error = {}, .seconds = {}}, {}, &interrupted);
+    Simulation simulation(request.stack, plan, direction_from_mu_phi(node_mu(i), 0), points,
+                          request.seed);
+    run(simulation, {.walks = request.effort.walks, .target_error = {}, .seconds = {}}, {}, stop);
     for (std::size_t j = 0; j < points.size(); ++j)
       for (int c = 0; c < 3; ++c) {
         const int channel = std::min(c, plan.channels - 1);
@@ -106,20 +108,20 @@ void LobeTable::walk(const Stack& stack, const Options& options) {
             batch_estimate(simulation.batches(), rest).value;
       }
   }
-  source_ =
-      fmt::format("{} next-event walks for each of {} incoming cosines", options.walks, kMuNodes);
+  source_ = fmt::format("{} next-event walks for each of {} incoming cosines", request.effort.walks,
+                        kMuNodes);
 }
 
-LobeTable LobeTable::make(const Stack& stack, const Options& options) {
+LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop) {
   LobeTable table;
-  table.stack_ = stack;
+  table.stack_ = request.stack;
   table.values_.resize(static_cast<std::size_t>(kMuNodes) * kMuNodes * kPhiNodes);
-  check_estimator(stack, options);
-  const bool solvable = !why_not_deterministic(stack) && options.walk_options.empty();
-  if (options.estimator == "deterministic" || (solvable && options.estimator == "auto"))
-    table.solve(stack);
+  check_estimator(request);
+  const bool solvable = !why_not_deterministic(request.stack) && request.given.empty();
+  if (request.estimator == Estimator::deterministic || (solvable && !request.estimator))
+    table.solve(request.stack);
   else
-    table.walk(stack, options);
+    table.walk(request, stop);
   return table;
 }
 

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "compare/options/options.h"
+#include "compare/request/interrupt.h"
+#include "compare/request/truth_request.h"
 
 namespace lamella {
 
@@ -19,9 +20,9 @@ class LobeTable {
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
 
-  /// By adding and doubling where that applies, else by `options.walks` next-event walks per
-  /// incoming node. For stacks that `check_preview` lets pass.
-  [[nodiscard]] static LobeTable make(const Stack& stack, const Options& options);
+  /// By adding and doubling where that applies, else by as many next-event walks per incoming node
+  /// as are asked for. For stacks that `check_preview` lets pass. `stop` ends each node early.
+  [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop);
 
   static constexpr int kMuNodes = 24, kPhiNodes = 25;
   static constexpr double kLeastMu = 0.01;
@@ -36,7 +37,7 @@ class LobeTable {
     return values_[(static_cast<std::size_t>(i) * kMuNodes + o) * kPhiNodes + p];
   }
   void solve(const Stack& stack);
-  void walk(const Stack& stack, const Options& options);
+  void walk(const TruthRequest& request, const StopFlag* stop);
 
   Stack stack_;
   std::vector<Rgb> values_;  // orders 2 and up

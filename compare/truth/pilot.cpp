@@ -22,7 +22,7 @@ double cell_variance(const RunResult& run) {
 }
 
 // Seconds times variance.
-double cost(Simulation& simulation, const Options& options) {
+double cost(Simulation& simulation, bool of_energies) {
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -31,18 +31,17 @@ double cost(Simulation& simulation, const Options& options) {
   for (simulation.advance(walks); seconds() < kSeconds && walks < kMost;)
     simulation.advance(walks *= 2);
   const double taken = seconds();
-  if (!options.target_error) return taken * cell_variance(reduce(simulation));
+  if (!of_energies) return taken * cell_variance(reduce(simulation));
   const double relative = largest_relative_error(simulation);
   return taken * relative * relative;
 }
 
 }  // namespace
 
-Pilot pilot(const Stack& stack, const Plan& plan, Direction incident, CellGrid grid,
-            const Options& options) {
+Pilot pilot(const TruthRequest& request, const Plan& plan, Direction incident) {
   const auto cost_of = [&](Estimator estimator) {
-    Simulation simulation(stack, plan, incident, estimator, grid, options.seed);
-    const double found = cost(simulation, options);
+    Simulation simulation(request.stack, plan, incident, estimator, request.cells, request.seed);
+    const double found = cost(simulation, request.effort.target_error.has_value());
     return found > 0 ? found : std::numeric_limits<double>::infinity();
   };
   const double analog = cost_of(Estimator::analog), next_event = cost_of(Estimator::next_event);

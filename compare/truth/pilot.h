@@ -2,8 +2,7 @@
 
 #include <string>
 
-#include "compare/options/options.h"
-#include "volume/run/simulation.h"
+#include "compare/request/truth_request.h"
 
 namespace lamella {
 
@@ -14,10 +13,10 @@ struct Pilot {
 };
 
 /// Runs both for a twentieth of a second each and compares seconds times variance: of the lobes'
-/// energies where --target-error is what ends the run, else of all orders' cells. The answer may
-/// differ between runs where both are about as good: files record which one was taken.
-[[nodiscard]] Pilot pilot(const Stack& stack, const Plan& plan, Direction incident, CellGrid grid,
-                          const Options& options);
+/// energies where a target error is what ends the run, else of all orders' cells. The answer may
+/// differ between runs where both are about as good: files record which one was taken. `plan`: of
+/// the request's stack.
+[[nodiscard]] Pilot pilot(const TruthRequest& request, const Plan& plan, Direction incident);
 
 /// "pilot: next-event has 5.3 times less time x variance".
 [[nodiscard]] std::string to_text(const Pilot& pilot);

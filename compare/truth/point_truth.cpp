@@ -25,7 +25,7 @@ double relative_azimuth(Direction wi, Direction wo) {
 
 std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                  const std::vector<DirectionPair>& pairs, std::uint64_t walks,
-                                 std::uint64_t seed, const std::atomic<bool>* interrupted) {
+                                 std::uint64_t seed, const StopFlag* stop) {
   struct Point {
     std::size_t pair;
     Direction wo;
@@ -58,7 +58,7 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
     for (const Point& p : points) directions.push_back(p.wo);
     const auto [x, y, z] = incident;
     Simulation simulation(stack, plan, {x, y, z}, directions, seed);
-    run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, interrupted);
+    run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, stop);
     const std::size_t count = points.size();
     for (std::size_t j = 0; j < count; ++j)
       for (int c = 0; c < 3; ++c) {

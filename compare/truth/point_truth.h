@@ -1,9 +1,9 @@
 #pragma once
 
-#include <atomic>
 #include <vector>
 
 #include "analytic/model/model.h"
+#include "compare/request/interrupt.h"
 #include "volume/run/simulation.h"
 #include "volume/solver/deterministic.h"
 
@@ -20,11 +20,11 @@ struct TruthValue {
 /// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
 /// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
 /// The walks are on lanes of the plan's set where these have a kernel for the stack.
-/// `interrupted`, once set, ends each simulation at its next checkpoint.
+/// `stop`, once set, ends each simulation at its next checkpoint.
 [[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                                const std::vector<DirectionPair>& pairs,
                                                std::uint64_t walks, std::uint64_t seed,
-                                               const std::atomic<bool>* interrupted = nullptr);
+                                               const StopFlag* stop = nullptr);
 
 /// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
 /// own cosines. standard_error is each pair's error bound.

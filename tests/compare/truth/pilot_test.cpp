@@ -16,24 +16,23 @@ TEST(Pilot, TakesNextEventForCellsAndAnalogForEnergiesOfSmoothFlakes) {
   Plan plan = make_plan(stack);
   plan.isa = Isa::scalar;
   const Direction wi = direction_from_degrees(60, 0);
-  Options options;
-  options.seconds = 1;
-  const Pilot cells = pilot(stack, plan, wi, CellGrid{16, 32, true}, options);
+  TruthRequest request{.stack = stack, .cells = CellGrid{16, 32, true}};
+  request.effort.seconds = 1;
+  const Pilot cells = pilot(request, plan, wi);
   EXPECT_EQ(cells.best, Estimator::next_event);
   EXPECT_GT(cells.advantage, 3);
-  options.target_error = 0.01;
-  const Pilot energies = pilot(stack, plan, wi, CellGrid{16, 32, true}, options);
+  request.effort.target_error = 0.01;
+  const Pilot energies = pilot(request, plan, wi);
   EXPECT_EQ(energies.best, Estimator::analog);
   EXPECT_GT(energies.advantage, 2);
 }
 
 TEST(Pilot, HasNothingToSayWithoutScattering) {
-  Options options;
-  options.seconds = 1;
   const Stack stack = parse_stack(
       "[[layer]]\nmedium = \"lambert_sphere\"\nalbedo = 0.0\nthickness = 1\n", "test", "test");
-  const Pilot found =
-      pilot(stack, make_plan(stack), direction_from_degrees(60, 0), CellGrid{4, 8, true}, options);
+  TruthRequest request{.stack = stack, .cells = CellGrid{4, 8, true}};
+  request.effort.seconds = 1;
+  const Pilot found = pilot(request, make_plan(stack), direction_from_degrees(60, 0));
   EXPECT_EQ(found.best, Estimator::analog);
   EXPECT_EQ(found.advantage, 1);
 }

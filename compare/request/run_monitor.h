@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "compare/request/interrupt.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+
+/// Who watches while a truth is found, and may end it early. Each member may be absent; all are
+/// called in the thread that asked for the truth.
+struct RunMonitor {
+  const StopFlag* stop = nullptr;
+  /// How far walks have got, at every checkpoint. `label`: of the run, "theta_i 30".
+  std::function<void(const std::string& label, const Progress&)> progress{};
+  /// A run that told its progress is over.
+  std::function<void()> finished{};
+  /// One line where less was reached than was asked for, or where a setting means nothing.
+  std::function<void(const std::string& message)> warning{};
+
+  [[nodiscard]] bool is_stopped() const { return is_set(stop); }
+  void warn(const std::string& message) const {
+    if (warning) warning(message);
+  }
+};
+
+}  // namespace lamella

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "phase/lanes/isa.h"
+#include "phase/stack/stack.h"
+#include "volume/plan/plan.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+
+/// Settings that only walks have a use for, in the order in which messages name them.
+enum class WalkSetting { walks, target_error, max_order, thin_from, seconds };
+
+/// As the command line spells it: "--walks", "--target-error", ...
+[[nodiscard]] std::string to_text(WalkSetting setting);
+
+/// The incident directions of a truth where none are named: theta_i = 0, 30, 60, 80 degrees at
+/// phi_i = 0.
+[[nodiscard]] std::vector<Direction> default_directions();
+
+/// Which truth is asked for, of which stack, and at what effort. It runs on the threads of the
+/// calling thread's task arena.
+struct TruthRequest {
+  Stack stack{};
+  /// Incident, unit. Below z = 0: light from below, where the stack is open there.
+  std::vector<Direction> directions = default_directions();
+  std::optional<Estimator> estimator{};  ///< nothing: `auto`, whichever suits the stack
+  /// Walks per incident direction and what ends them earlier; `seconds` of the solver: in all.
+  StopRule effort{.walks = 1000000, .target_error = {}, .seconds = {}};
+  WalkLimits limits{};  ///< where walks are cut and thinned; nothing: as the plan chooses
+  /// The settings above that were asked for by name: with the estimator left open they are a reason
+  /// for walks.
+  std::vector<WalkSetting> given{};
+  double tolerance = 1e-6;  ///< of the solver, relative to the mean over the azimuth
+  /// Of a run that is repeated: where the solver's refinement ended, be it by the clock.
+  struct SolverEnd {
+    int nodes;
+    std::array<int, 3> modes;  ///< per colour channel
+  };
+  std::optional<SolverEnd> solver_end{};
+  CellGrid cells{};  ///< per hemisphere
+  std::uint64_t seed = 1;
+  Isa isa = Isa::scalar;
+};
+
+/// "auto", or the estimator's name.
+[[nodiscard]] std::string estimator_asked(const TruthRequest& request);
+
+/// The estimator that a text names, nothing being `auto`. Throws UsageError for any other text.
+[[nodiscard]] std::optional<Estimator> parse_estimator(const std::string& text);
+
+/// The narrowest plan for the request's stack, with its limits and instruction set. Reads the
+/// stack's grids; throws std::invalid_argument.
+[[nodiscard]] Plan plan_of(const TruthRequest& request);
+
+}  // namespace lamella
