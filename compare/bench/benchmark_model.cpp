@@ -132,7 +132,11 @@ class ModelTimer {
 
 void measure_models(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
   const Stack stack = load_stack(std::string(kDefaultStack));
-  std::map<std::string, JudgedClosedForm> judged;
+  struct Judged {
+    JudgedClosedForm form;
+    std::string stack;
+  };
+  std::map<std::string, Judged> judged;
   tbb::task_arena one(1);
   for (const BenchmarkStack& entry : benchmark_stacks()) {
     const Stack claimed = load_stack(entry.name);
@@ -142,14 +146,14 @@ void measure_models(const BenchmarkEffort& effort, std::uint64_t seed, const Rep
     for (JudgedClosedForm& form :
          one.execute([&] { return judged_closed_forms(claimed, effort, seed); })) {
       const std::string name = form.bound.info->name;
-      judged.try_emplace(name, std::move(form));
+      judged.try_emplace(name, Judged{std::move(form), entry.name});
     }
   }
   for (const ModelInfo& info : models()) {
     const auto found = judged.find(info.name);
     BoundModel made;
     if (found == judged.end()) made = default_model(info, stack);
-    const BoundModel& bound = found == judged.end() ? made : found->second.bound;
+    const BoundModel& bound = found == judged.end() ? made : found->second.form.bound;
     if (!bound.model) continue;
     const auto textbook = textbook_model(info.name, bound.parameters);
     ModelTimer timer(*bound.model, textbook.get(), effort.isa);
@@ -158,8 +162,9 @@ void measure_models(const BenchmarkEffort& effort, std::uint64_t seed, const Rep
       BenchmarkRow r{.what = how + info.name, .kind = "closed_form"};
       r.ns_per_eval = timer.nanoseconds(seconds);
       if (found != judged.end()) {
-        const ClosedFormError& e = found->second.error;
+        const ClosedFormError& e = found->second.form.error;
         r.error = e.error > 0 ? e.error : e.high;
+        r.extra["error_on"] = found->second.stack;
       }
       if (textbook) {
         r.baseline = "textbook scalar code";

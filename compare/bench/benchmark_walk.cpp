@@ -1,6 +1,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "compare/bench/benchmark.h"
 #include "compare/request/stopwatch.h"
@@ -117,9 +118,13 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
   if (task.generator == TextbookGenerator::engine)
     row.baseline.replace(row.baseline.find("pcg32"), 5, "the engine's generator");
   row.ratio_to_baseline = times.median_ratio() * collisions / textbook_collisions;
-  row.extra = {{"walks", simulation->walks()},
-               {"isa", to_text(simulation->isa())},
-               {"cycles_per_collision", core_frequency() * times.total_first() / collisions}};
+  row.extra = {
+      {"walks", simulation->walks()},
+      {"isa", to_text(simulation->isa())},
+      {"baseline_collisions", textbook_collisions},
+      {"baseline_collisions_per_second",
+       textbook_collisions / std::accumulate(times.second.begin(), times.second.end(), 0.0)},
+      {"cycles_per_collision", core_frequency() * times.total_first() / collisions}};
   if (const auto use = simulation->lane_use()) {
     row.extra["lane_occupancy"] = use->occupancy;
     row.extra["null_collisions"] = use->null;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "phase/medium/vmf.h"
@@ -223,9 +224,12 @@ struct VmfMirrors : VmfFlakes {
   }
 };
 
+std::atomic<std::uint64_t> media_made{0};
+
 template <class F>
 auto with_medium(const TextbookCase& what, const F& f) {
   const double p = what.parameter;
+  ++media_made;
   switch (what.medium) {
     case TextbookMedium::sggx_mirror:
       return f(SggxMirrors{{p * p, p * p, 1}});
@@ -243,6 +247,8 @@ auto with_medium(const TextbookCase& what, const F& f) {
 }
 
 }  // namespace
+
+std::uint64_t textbook_media_made() { return media_made; }
 
 double TextbookResult::reflected_error() const {
   const double n = static_cast<double>(walks), mean = reflected / n;
@@ -263,24 +269,27 @@ TextbookWalk::TextbookWalk(const TextbookCase& what, Direction wi, TextbookTally
   const std::size_t targets = tally == TextbookTally::cells ? kMuCells * kPhiCells : points_.size();
   result_.f.resize(targets);
   result_.f2.resize(targets);
-  with_medium(case_, [&](const auto& medium) {
-    for (const Direction wo : points_) rate_.push_back(medium.out_sigma(-wo) / wo.z);
-  });
+  advance_ = with_medium(
+      case_, [&](const auto& medium) -> std::function<void(TextbookWalk&, std::uint64_t)> {
+        for (const Direction wo : points_) rate_.push_back(medium.out_sigma(-wo) / wo.z);
+        return [medium](TextbookWalk& self, std::uint64_t more) { self.walk_in(medium, more); };
+      });
 }
 
-void TextbookWalk::advance(std::uint64_t walks) {
-  with_medium(case_, [&](const auto& medium) {
-    if (generator_ == TextbookGenerator::engine) {
-      EngineNumbers rng{seed_};
-      return loop<true>(medium, rng, walks);
-    }
-    Pcg32 rng{state_, increment_};
-    if (case_.weighted_events == kWeightedEvents)
-      loop<true>(medium, rng, walks);
-    else
-      loop<false>(medium, rng, walks);
-    state_ = rng.state;
-  });
+void TextbookWalk::advance(std::uint64_t walks) { advance_(*this, walks); }
+
+template <class Medium>
+void TextbookWalk::walk_in(Medium medium, std::uint64_t walks) {
+  if (generator_ == TextbookGenerator::engine) {
+    EngineNumbers rng{seed_};
+    return loop<true>(medium, rng, walks);
+  }
+  Pcg32 rng{state_, increment_};
+  if (case_.weighted_events == kWeightedEvents)
+    loop<true>(medium, rng, walks);
+  else
+    loop<false>(medium, rng, walks);
+  state_ = rng.state;
 }
 
 template <bool kUsual, class Medium, class Generator>

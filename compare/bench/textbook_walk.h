@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "phase/math/direction.h"
@@ -55,7 +56,12 @@ struct TextbookResult {
   [[nodiscard]] double reflected_error() const;
 };
 
-/// A run that can be continued; the result is its sum so far.
+/// Media that were set up in this process, tables of their cross sections among them: one per
+/// TextbookWalk, however often that advances. For the test that set-up is not timed.
+[[nodiscard]] std::uint64_t textbook_media_made();
+
+/// A run that can be continued; the result is its sum so far. What a medium needs is set up by the
+/// constructor: `advance` is walks and nothing else, as a benchmark wants to time it.
 class TextbookWalk {
  public:
   /// Light from above along -wi. `points`: upward directions, for TextbookTally::points.
@@ -66,11 +72,16 @@ class TextbookWalk {
   [[nodiscard]] const TextbookResult& result() const { return result_; }
 
  private:
+  // By value: what is on the stack cannot be what the tallies are written to, so that the compiler
+  // keeps it in registers.
+  template <class Medium>
+  void walk_in(Medium medium, std::uint64_t walks);
   // kUsual: by the number of weighted events that a case has if nothing is said.
   template <bool kUsual, class Medium, class Generator>
   void loop(const Medium& medium, Generator& rng, std::uint64_t walks);
 
   TextbookCase case_;
+  std::function<void(TextbookWalk&, std::uint64_t walks)> advance_;  // with the medium
   Direction wi_;
   TextbookTally tally_;
   std::vector<Direction> points_;

@@ -15,7 +15,8 @@ inline constexpr int kDone = 0, kFailed = 1, kUsage = 2, kInvalidNumbers = 3;
 /// Throws UsageError, StackFileError, OutputError or NonFiniteError, which main turns into
 /// messages.
 int simulate_command(const Options& options);
-int compare_command(const Options& options);
+/// `pictures`: names of their formats; none: PNG where this build has Cairo. So below.
+int compare_command(const Options& options, const std::vector<std::string>& pictures = {});
 int furnace_command(const Options& options);
 /// Depth profiles in the place of the stack's grids, and what that costs.
 int homogenise_command(const Options& options);
@@ -23,7 +24,7 @@ int bench_command(const Options& options);
 /// What bench measures, in its order: the words of --only.
 [[nodiscard]] std::vector<std::string> bench_parts();
 int accuracy_command(const Options& options);
-int preview_command(const Options& options);
+int preview_command(const Options& options, const std::vector<std::string>& pictures);
 int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);
@@ -33,7 +34,8 @@ int media_command(const Options& options);
 int stacks_command(const Options& options);
 int measure_command(const Options& options);
 /// `name`: of a published figure; empty: lists them.
-int reproduce_command(const Options& options, const std::string& name);
+int reproduce_command(const Options& options, const std::string& name,
+                      const std::vector<std::string>& pictures);
 /// `words`: the model and its key=value arguments.
 int eval_command(const Options& options, const std::vector<std::string>& words);
 

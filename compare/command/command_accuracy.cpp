@@ -5,6 +5,7 @@
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/interrupt.h"
+#include "compare/request/percent.h"
 #include "compare/request/run_monitor.h"
 
 namespace lamella {
@@ -30,7 +31,7 @@ int accuracy_command(const Options& options) {
     if (!options.quiet) {
       if (row.family != family) fmt::print(out, "| **{}** | | | | | | | |\n", row.family);
       fmt::print(out, "| {} | `{}` |", row.stack, row.model);
-      for (const double rmse : row.relative_rmse) fmt::print(out, " {:.3g} % |", 100 * rmse);
+      for (const double rmse : row.relative_rmse) fmt::print(out, " {} |", percent_cell(rmse));
       fmt::print(out, " {:.2g} | {:.0e} |\n", row.energy_off, row.bound);
       std::fflush(out);
     }

@@ -9,6 +9,7 @@
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
 #include "compare/request/interrupt.h"
+#include "compare/request/percent.h"
 
 namespace lamella {
 namespace {
@@ -30,9 +31,9 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
     note += fmt::format("; {:.3g} cycles per collision",
                         row.extra["cycles_per_collision"].get<double>());
   if (row.extra.contains("lane_occupancy"))
-    note += fmt::format(", lanes {:.1f} % occupied, {:.0f} % of them at null collisions",
-                        100 * row.extra["lane_occupancy"].get<double>(),
-                        100 * row.extra["null_collisions"].get<double>());
+    note += fmt::format(", lanes {} occupied, {} of them at null collisions",
+                        percent_text(row.extra["lane_occupancy"].get<double>()),
+                        percent_text(row.extra["null_collisions"].get<double>()));
   if (row.extra.contains("nodes"))
     note += fmt::format("{}{} nodes, {} modes, {:.2g} MB", note.empty() ? "" : ", ",
                         row.extra["nodes"].get<int>(), row.extra["modes"].get<int>(),

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "compare/command/command.h"
+#include "compare/command/picture_options.h"
 #include "compare/files/output_folder.h"
 #include "compare/judge/judgement.h"
 #include "compare/judge/side_by_side.h"
+#include "compare/judge/verdict_text.h"
 #include "compare/options/progress.h"
 #include "compare/preview/preview_views.h"
 #include "compare/report/compare_page.h"
@@ -15,9 +17,11 @@
 #include "compare/report/report_page.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
+#include "compare/request/percent.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/math/degrees.h"
+#include "phase/math/luminance.h"
 
 namespace lamella {
 namespace {
@@ -55,19 +59,6 @@ Json to_json(const LobeComparison& l) {
           {"verdict", to_text(l.verdict)}};
 }
 
-std::string verdict_text(const LobeComparison& l) {
-  if (l.verdict != Verdict::differs) return to_text(l.verdict);
-  if (l.relative_rmse_without_noise == 0 || std::isinf(l.relative_rmse_without_noise))
-    return "differs";
-  return fmt::format("differs by {:.2g} %", 100 * l.relative_rmse_without_noise);
-}
-
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v / static_cast<double>(values.size());
-  return sum;
-}
-
 // Those that are not at their defaults.
 std::vector<std::pair<std::string, ParameterValue>> told_parameters(const BoundModel& model) {
   std::vector<std::pair<std::string, ParameterValue>> list;
@@ -86,15 +77,16 @@ std::string table(const std::vector<JudgedModel>& models) {
     for (const auto& [key, value] : told_parameters(*m.bound))
       text += fmt::format(", {} = {}", key, to_text(value));
     text += fmt::format(" ({:.0f} ns per evaluation)\n", m.nanoseconds);
-    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>9} {:>9} {:>9}  {}\n",
+    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>10} {:>10} {:>9}  {}\n",
                         "theta_i", "side", "order", "energy truth", "+-", "energy model",
                         "rel. RMSE", "no noise", "p", "verdict");
     for (const LobeComparison& l : m.lobes)
       text += fmt::format(
-          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e} {:>12.5f} {:>8.2f}% {:>8.2f}% {:>9.2g}  {}\n",
+          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e} {:>12.5f} {:>10} {:>10} {:>9.2g}  {}\n",
           theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
-          mean(l.energy_truth), mean(l.energy_error), mean(l.energy_model), 100 * l.relative_rmse,
-          100 * l.relative_rmse_without_noise, l.p_value, verdict_text(l));
+          luminance(l.energy_truth), luminance(l.energy_error), luminance(l.energy_model),
+          percent_cell(l.relative_rmse), percent_cell(l.relative_rmse_without_noise), l.p_value,
+          verdict_text(l));
   }
   return text;
 }
@@ -174,9 +166,10 @@ Json page_details(const std::vector<RunResult>& runs, std::vector<JudgedModel>& 
 
 }  // namespace
 
-int compare_command(const Options& options) {
+int compare_command(const Options& options, const std::vector<std::string>& pictures) {
   const TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
+  const std::vector<PictureFormat> formats = picture_formats_of(pictures);
   const bool previewed = options.preview && !options.answer_only;
   if (previewed) check_preview("compare --preview", stack);
   GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
@@ -221,13 +214,13 @@ int compare_command(const Options& options) {
                       ? ""
                       : fmt::format("{} walks per direction, ", runs.front().walks),
                   estimator_text(truth.choice(), request),
-                  truth.plan().channels == 3 ? "; energies are means over r, g, b" : "") +
+                  truth.plan().channels == 3 ? fmt::format("; energies: {}", kLuminanceName) : "") +
       table(judged) + (beside.empty() ? "" : side_by_side_table(beside));
-  int pictures = 0;
+  int drawn = 0;
   for (const JudgedModel& m : judged) {
     write_exr(folder + "/" + m.name + ".exr",
               comparison_image(request, runs, m.lobes, to_request(*m.bound)));
-    pictures += write_comparison_pictures(folder, m.name, stack.name, runs, m.lobes);
+    drawn += write_comparison_pictures(folder, m.name, stack.name, runs, m.lobes, formats);
   }
   write_exr(folder + "/truth.exr", simulation_image(request, runs));
   Json details = page_details(runs, judged);
@@ -236,9 +229,9 @@ int compare_command(const Options& options) {
     const PreviewLighting lighting;
     const std::vector<PreviewResult> views =
         preview_views(lobes, models, names, lighting, options.size, &user_interrupt);
-    write_preview_files(folder + "/preview_", views, lobes, stack, lighting);
+    write_preview_files(folder + "/preview_", views, lobes, stack, lighting, formats);
     answer["previews"] = to_json(views);
-    details["previews"] = preview_page_details(views, lobes, lighting);
+    if (!formats.empty()) details["previews"] = preview_page_details(views, lobes, lighting);
     summary += fmt::format("\npreview: truth by {}\n{}", lobes.source(), preview_table(views));
   }
   write_file(folder + "/report.json", answer.dump(2) + "\n");
@@ -250,10 +243,13 @@ int compare_command(const Options& options) {
     fmt::print(out, "{}", summary);
     if (judged.empty()) fmt::print(out, "no closed form applies to this stack (see --model)\n");
     if (user_interrupt) fmt::print(out, "interrupted: what was done until then\n");
-    fmt::print(out,
-               "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
-               "summary.txt{} and {} error maps (*.png)\n",
-               folder, previewed ? ", previews (preview_*.exr, .png)" : "", pictures);
+    fmt::print(
+        out,
+        "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
+        "summary.txt{}{}\n{}",
+        folder, previewed ? ", previews (preview_*)" : "",
+        formats.empty() ? "" : fmt::format(" and {} error maps ({})", drawn, endings_text(formats)),
+        absent_pictures_text());
   }
   write_json(answer, options.json);
   return status;

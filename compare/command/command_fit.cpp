@@ -3,15 +3,18 @@
 #include "analytic/layered/spongecake.h"
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"
 #include "compare/fit/spongecake_fit.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
 #include "compare/request/model_request.h"
+#include "compare/request/percent.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/math/degrees.h"
+#include "phase/math/luminance.h"
 
 namespace lamella {
 namespace {
@@ -74,16 +77,17 @@ int fit_stack(const Options& options) {
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out,
-               "{}: orders 2 and up, {}; what two lobes leave over\n"
+               "{}: orders 2 and up, {}{}; what two lobes leave over\n"
                "  {:>7} {:>9} {:>13} {:>13} {:>10} {:>9}\n",
-               stack.name, estimator_text(truth.choice(), request), "theta_i", "side",
-               "energy truth", "energy lobes", "rel. RMSE", "noise");
+               stack.name, estimator_text(truth.choice(), request),
+               truth.plan().channels == 1 ? "" : fmt::format(", energies: {}", kLuminanceName),
+               "theta_i", "side", "energy truth", "energy lobes", "rel. RMSE", "noise");
     for (const SpongecakeResidue& r : fit.residues)
-      fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>9.2f}% {:>8.2f}%\n",
-                 theta_degrees(r.wi), r.reflected ? "reflect" : "transmit", r.energy_truth,
-                 r.energy_model, 100 * r.relative_rmse, 100 * r.noise);
-    fmt::print(out, "  all: {:.2f} % of the root mean square, {:.2f} % of it noise\n\n--model {}\n",
-               100 * fit.relative_rmse, 100 * fit.noise, fit.request);
+      fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>10} {:>9}\n", theta_degrees(r.wi),
+                 r.reflected ? "reflect" : "transmit", r.energy_truth, r.energy_model,
+                 percent_cell(r.relative_rmse), percent_cell(r.noise));
+    fmt::print(out, "  all: {} of the root mean square, {} of it noise\n\n--model {}\n",
+               percent_cell(fit.relative_rmse), percent_cell(fit.noise), fit.request);
   }
   Json answer = json_header("fit", request);
   answer["walks"] = runs.front().walks;
@@ -107,6 +111,7 @@ int fit_stack(const Options& options) {
 }  // namespace
 
 int fit_command(const Options& options, const ClosedFormOptions& closed) {
+  require_least_squares();
   return closed.sampling.empty() ? fit_stack(options) : fit_sampling(options, closed);
 }
 

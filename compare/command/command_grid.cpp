@@ -7,6 +7,7 @@
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
+#include "compare/request/percent.h"
 #include "phase/stack/stack_file.h"
 #include "volume/voxels/density_grid.h"
 #include "volume/voxels/depth_profile.h"
@@ -187,10 +188,10 @@ int grid_command(const Options& options, const std::vector<std::string>& words) 
   const LateralContrast contrast = lateral_contrast(grid);
   if (!options.quiet)
     fmt::print(table_stream(options),
-               "# {}: {} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm, {:.1f} % filled, lateral "
+               "# {}: {} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm, {} filled, lateral "
                "contrast {:.3f} between voxels, {:.3f} between columns\n{}",
-               options.output, n[0], n[1], n[2], voxel.x, voxel.y, voxel.z, 100 * contrast.filled,
-               contrast.voxel, contrast.column, layer);
+               options.output, n[0], n[1], n[2], voxel.x, voxel.y, voxel.z,
+               percent_text(contrast.filled), contrast.voxel, contrast.column, layer);
   Json answer = json_header("grid", options.seed, isa_of(options));
   answer["kind"] = generator.name;
   Json given = Json::object();

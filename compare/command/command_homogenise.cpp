@@ -10,11 +10,13 @@
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/numbers.h"
+#include "compare/request/percent.h"
 #include "compare/request/run_monitor.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/math/degrees.h"
+#include "phase/math/luminance.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/voxels/density_grid.h"
@@ -55,12 +57,6 @@ std::string order_text(int slot) {
   return names[slot];
 }
 
-double channel_mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v / static_cast<double>(values.size());
-  return sum;
-}
-
 Json to_json(const LobeDifference& l) {
   return {{"mu_i", l.wi.z},
           {"phi_i", phi_degrees(l.wi)},
@@ -76,14 +72,14 @@ Json to_json(const LobeDifference& l) {
 }
 
 void print(std::FILE* out, const LobeDifference& l) {
-  const double grid = channel_mean(l.energy), other = channel_mean(l.energy_other);
+  const double grid = luminance(l.energy), other = luminance(l.energy_other);
   fmt::print(out,
-             "  {:>7g} {:>9} {:>5} {:>10.5f} {:>8.1e} {:>10.5f} {:>8.1e} {:>8} {:>8.2f}% "
+             "  {:>7g} {:>9} {:>5} {:>10.5f} {:>8.1e} {:>10.5f} {:>8.1e} {:>9} {:>10} "
              "{:>9.2g}  {}\n",
              theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", order_text(l.order), grid,
-             channel_mean(l.energy_error), other, channel_mean(l.energy_other_error),
-             grid > 0 ? fmt::format("{:+.2f}%", 100 * (other / grid - 1)) : "-",
-             100 * l.relative_rmse_without_noise, l.p_value, to_text(l.verdict));
+             luminance(l.energy_error), other, luminance(l.energy_other_error),
+             grid > 0 ? signed_percent_cell(other / grid - 1) : "-",
+             percent_cell(l.relative_rmse_without_noise), l.p_value, to_text(l.verdict));
 }
 
 }  // namespace
@@ -125,9 +121,10 @@ int homogenise_command(const Options& options) {
     layer_plan.channels = grid_plan.channels;
     Json contrasts = Json::array();
     if (!options.quiet)
-      fmt::print(out, "{}{}: {} homogeneous layers instead, {} estimator, seed {}\n", stack.name,
+      fmt::print(out, "{}{}: {} homogeneous layers instead, {} estimator, seed {}{}\n", stack.name,
                  factor == 1 ? "" : fmt::format(" with {} of its contrast", to_text(factor)),
-                 layers.layers.size(), to_text(estimator), request.seed);
+                 layers.layers.size(), to_text(estimator), request.seed,
+                 grid_plan.channels == 1 ? "" : fmt::format("; energies: {}", kLuminanceName));
     for (std::size_t k = 0; k < grids.size(); ++k) {
       if (!grids[k]) continue;
       const LateralContrast c = lateral_contrast(*grids[k]);
@@ -137,8 +134,8 @@ int homogenise_command(const Options& options) {
         fmt::print(
             out,
             "  layer {}, {}: lateral contrast {:.3f} between voxels, {:.3f} between columns; "
-            "{:.1f} % of the voxels filled\n",
-            k, stack.layers[k].grid->file, c.voxel, c.column, 100 * c.filled);
+            "{} of the voxels filled\n",
+            k, stack.layers[k].grid->file, c.voxel, c.column, percent_text(c.filled));
     }
     std::vector<LobeDifference> lobes;
     for (const Direction wi : request.directions) {
@@ -154,7 +151,7 @@ int homogenise_command(const Options& options) {
     decide(lobes);
     Json entries = Json::array();
     if (!options.quiet)
-      fmt::print(out, "  {:>7} {:>9} {:>5} {:>10} {:>8} {:>10} {:>8} {:>9} {:>9} {:>9}  {}\n",
+      fmt::print(out, "  {:>7} {:>9} {:>5} {:>10} {:>8} {:>10} {:>8} {:>9} {:>10} {:>9}  {}\n",
                  "theta_i", "side", "order", "grid", "+-", "layers", "+-", "energy", "rel. RMSE",
                  "p", "verdict");
     for (const LobeDifference& l : lobes) {

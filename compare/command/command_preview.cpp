@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "compare/command/command.h"
+#include "compare/command/picture_options.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/preview/preview_views.h"
@@ -30,10 +31,11 @@ PreviewLighting lighting_of(const Options& options) {
 
 }  // namespace
 
-int preview_command(const Options& options) {
+int preview_command(const Options& options, const std::vector<std::string>& pictures) {
   const TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
   check_preview("preview", stack);
+  const std::vector<PictureFormat> formats = picture_formats_of(pictures);
   const PreviewLighting lighting = lighting_of(options);
   const std::vector<BoundModel> models = models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
@@ -44,13 +46,15 @@ int preview_command(const Options& options) {
   if (!options.quiet) fmt::print(out, "{}: truth by {}\n", stack.name, table.source());
   const std::vector<PreviewResult> views =
       preview_views(table, models, distinct_names(models), lighting, options.size, &user_interrupt);
-  write_preview_files(folder + "/", views, table, stack, lighting);
+  write_preview_files(folder + "/", views, table, stack, lighting, formats);
   nlohmann::ordered_json answer = json_header("preview", request);
   answer["truth"] = table.source();
   answer["interrupted"] = user_interrupt.load();
   answer["views"] = to_json(views);
   if (!options.quiet)
-    fmt::print(out, "{}wrote {}/: an EXR and a PNG per view\n", preview_table(views), folder);
+    fmt::print(out, "{}wrote {}/: an EXR{} per view\n{}", preview_table(views), folder,
+               formats.empty() ? "" : fmt::format(" and a picture ({})", endings_text(formats)),
+               absent_pictures_text());
   write_json(answer, options.json);
   return kDone;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compare/command/command.h"
+#include "compare/command/picture_options.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -40,7 +41,8 @@ const std::vector<Reproduction>& reproductions() {
   return list;
 }
 
-int reproduce_command(const Options& options, const std::string& name) {
+int reproduce_command(const Options& options, const std::string& name,
+                      const std::vector<std::string>& pictures) {
   std::FILE* out = table_stream(options);
   const auto& list = reproductions();
   Json answer = json_header("reproduce", options.seed, isa_of(options));
@@ -67,6 +69,7 @@ int reproduce_command(const Options& options, const std::string& name) {
                               .stop = &user_interrupt,
                               .table = options.quiet ? nullptr : out,
                               .folder = options.output.empty() ? name : options.output,
+                              .formats = picture_formats_of(pictures),
                               .walks = options.walks_given ? options.walks : found->walks};
   make_output_folder(context.folder);
   if (context.table) fmt::print(out, "{}: {}\n{}\n\n", found->name, found->source, found->doc);
@@ -77,9 +80,13 @@ int reproduce_command(const Options& options, const std::string& name) {
   answer["rows"] = found->run(context);
   answer["pictures"] = context.pictures;
   if (context.table) {
-    fmt::print(out, "\nwrote {}/:", context.folder);
-    for (const std::string& picture : context.pictures) fmt::print(out, " {}", picture);
-    fmt::print(out, "\n");
+    if (context.formats.empty()) {
+      fmt::print(out, "\n{}", absent_pictures_text());
+    } else {
+      fmt::print(out, "\nwrote {}/:", context.folder);
+      for (const std::string& picture : context.pictures) fmt::print(out, " {}", picture);
+      fmt::print(out, "\n");
+    }
   }
   write_json(answer, options.json);
   return kDone;

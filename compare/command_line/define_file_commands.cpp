@@ -41,10 +41,12 @@ void define_grid(CommandLine& line) {
 
 void define_reproduce(CommandLine& line) {
   CLI::App& command = line.add("reproduce", "A published figure, again, from explicit geometry",
-                               "lamella reproduce micrograin_figure_9 --walks 1e5",
-                               [&] { return reproduce_command(line.options, line.word); });
+                               "lamella reproduce micrograin_figure_9 --walks 1e5", [&] {
+                                 return reproduce_command(line.options, line.word, line.pictures);
+                               });
   command.add_option("NAME", line.word, "The figure; without: lists what there is");
   add_walks(command, line, "Walks or rays in all");
+  add_pictures(command, line);
   add_output(command, line, "FOLDER", "Folder for the pictures (default ./NAME)");
   add_seed(command, line);
   add_threads(command, line);

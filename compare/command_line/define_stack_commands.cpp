@@ -16,7 +16,7 @@ void define_simulate(CommandLine& line) {
 void define_compare(CommandLine& line) {
   CLI::App& command = line.add("compare", "Closed forms against ground truth",
                                "lamella compare spongecake_two_layer --wi 30 --walks 1e5",
-                               [&] { return compare_command(line.options); });
+                               [&] { return compare_command(line.options, line.pictures); });
   add_run_options(command, line);
   add_grid(command, line);
   add_model(command, line, "A model to judge, repeatable (default: all that apply)");
@@ -24,7 +24,9 @@ void define_compare(CommandLine& line) {
   command.add_flag("--preview", line.options.preview,
                    "Also a sphere and a plane under light, in the folder and in the report (see "
                    "lamella preview)");
-  add_output(command, line, "FOLDER", "Folder for EXR, PNG and report (default ./NAME-compare)");
+  add_pictures(command, line);
+  add_output(command, line, "FOLDER",
+             "Folder for EXR, pictures and report (default ./NAME-compare)");
 }
 
 void define_furnace(CommandLine& line) {
@@ -73,7 +75,7 @@ void define_sweep(CommandLine& line) {
 void define_preview(CommandLine& line) {
   CLI::App& command = line.add("preview", "A sphere and a plane under light",
                                "lamella preview lambert_sphere_halfspace --size 64",
-                               [&] { return preview_command(line.options); });
+                               [&] { return preview_command(line.options, line.pictures); });
   add_stack(command, line);
   add_model(command, line, "A model to show beside the truth, repeatable (default: all)");
   command.add_option("--light", line.options.light, "The lamp, from the viewer (default 45,45)")
@@ -91,7 +93,8 @@ void define_preview(CommandLine& line) {
   add_seed(command, line);
   add_threads(command, line);
   add_json(command, line);
-  add_output(command, line, "FOLDER", "Folder for EXR and PNG (default ./NAME-preview)");
+  add_pictures(command, line);
+  add_output(command, line, "FOLDER", "Folder for EXR and pictures (default ./NAME-preview)");
 }
 
 void define_homogenise(CommandLine& line) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/drawing/picture_format.h"
 #include "compare/request/numbers.h"
 #include "phase/stack/stack_file.h"
 
@@ -161,6 +162,15 @@ void add_max_error(CLI::App& command, CommandLine& line) {
                   "Exit 1 if a model is farther off than this (see README)")
       ->transform(number_from_zero())
       ->type_name("E");
+}
+
+void add_pictures(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--pictures", line.pictures,
+                  "Formats of pictures and charts, with commas between them (default png)")
+      ->delimiter(',')
+      ->transform(one_of(picture_format_names()))
+      ->type_name("png,svg,pdf");
 }
 
 void add_output(CLI::App& command, CommandLine& line, const std::string& type,

@@ -25,6 +25,8 @@ void add_isa(CLI::App& command, CommandLine& line);
 void add_grid(CLI::App& command, CommandLine& line);
 void add_model(CLI::App& command, CommandLine& line, const std::string& doc);
 void add_max_error(CLI::App& command, CommandLine& line);
+/// --pictures: the formats of what a command draws.
+void add_pictures(CLI::App& command, CommandLine& line);
 void add_output(CLI::App& command, CommandLine& line, const std::string& type,
                 const std::string& doc);
 /// Of commands that find the truth of a stack along incident directions.

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "compare/drawing/canvas.h"
-#include "compare/files/output_folder.h"
+#include "compare/drawing/picture_text.h"
 
 namespace lamella {
 namespace {
@@ -16,9 +16,11 @@ namespace {
 constexpr int kWidth = 760, kHeight = 460, kLeft = 70, kTop = 58, kBottom = 46;
 constexpr int kPlotWidth = 470;
 constexpr Color kInk{40, 40, 40}, kFrame{120, 120, 120}, kGrid{228, 228, 228};
-// Okabe and Ito 2008: told apart by colour-blind eyes, too.
-constexpr Color kColors[] = {{0, 114, 178}, {213, 94, 0},   {0, 158, 115}, {204, 121, 167},
-                             {230, 159, 0}, {86, 180, 233}, {0, 0, 0}};
+// Those of the pages: Okabe and Ito 2008, told apart by colour-blind eyes too, their light ones
+// darker, and more.
+constexpr Color kColors[] = {{0, 114, 178}, {213, 94, 0},   {0, 158, 115},  {204, 121, 167},
+                             {176, 136, 0}, {59, 156, 204}, {106, 76, 147}, {140, 74, 47},
+                             {95, 107, 45}, {119, 119, 119}};
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -47,19 +49,12 @@ double step_of(const Range& range) {
 }
 
 struct Plot {
-  Canvas canvas{kWidth, kHeight};
-  Range x, y;
+  Canvas canvas;
+  Range x{}, y{};
 
   [[nodiscard]] double column(double v) const { return kLeft + x.share(v) * kPlotWidth; }
   [[nodiscard]] double row(double v) const {
     return kHeight - kBottom - y.share(v) * (kHeight - kBottom - kTop);
-  }
-  void line(double x0, double y0, double x1, double y1, Color color, double width) {
-    const int steps = std::max(1, static_cast<int>(std::hypot(x1 - x0, y1 - y0) * 2));
-    for (int k = 0; k <= steps; ++k) {
-      const double t = static_cast<double>(k) / steps;
-      canvas.ring(x0 + t * (x1 - x0), y0 + t * (y1 - y0), 0, width, color);
-    }
   }
 };
 
@@ -91,18 +86,29 @@ void draw_series(Plot& plot, const ChartSeries& s, Color color) {
     if (!std::isfinite(s.x[k]) || !std::isfinite(s.y[k])) continue;
     const double x = plot.column(s.x[k]), y = plot.row(s.y[k]);
     if (!s.error.empty() && std::isfinite(s.error[k]))
-      plot.line(x, plot.row(s.y[k] - s.error[k]), x, plot.row(s.y[k] + s.error[k]), color, 0.6);
+      plot.canvas.line(x, plot.row(s.y[k] - s.error[k]), x, plot.row(s.y[k] + s.error[k]), 1.2,
+                       color);
     if (s.dots)
       plot.canvas.ring(x, y, 0, 2.6, color);
     else if (k > 0 && std::isfinite(s.x[k - 1]) && std::isfinite(s.y[k - 1]))
-      plot.line(plot.column(s.x[k - 1]), plot.row(s.y[k - 1]), x, y, color, 0.9);
+      plot.canvas.line(plot.column(s.x[k - 1]), plot.row(s.y[k - 1]), x, y, 1.8, color);
   }
 }
 
 }  // namespace
 
-std::string draw_chart(const Chart& chart) {
-  Plot plot;
+std::vector<Color> series_colors(const Chart& chart) {
+  std::vector<Color> colors;
+  std::size_t next = 0;
+  for (const ChartSeries& s : chart.series) {
+    const bool again = s.same_color && !colors.empty();
+    colors.push_back(again ? colors.back() : kColors[next++ % std::size(kColors)]);
+  }
+  return colors;
+}
+
+std::string draw_chart(const Chart& chart, PictureFormat format) {
+  Plot plot{.canvas = Canvas(kWidth, kHeight, format)};
   for (const ChartSeries& s : chart.series) {
     if (s.x.size() != s.y.size() || (!s.error.empty() && s.error.size() != s.x.size()))
       throw std::invalid_argument("a series of a chart with columns of different lengths");
@@ -118,26 +124,25 @@ std::string draw_chart(const Chart& chart) {
   plot.y.high += 0.04 * (plot.y.high - plot.y.low);
   draw_axes(plot, chart);
   const int legend = kLeft + kPlotWidth + 14;
-  int at = kTop + 4;
+  int at = kTop + 4, entry = at;
+  const std::vector<Color> colors = series_colors(chart);
   for (std::size_t k = 0; k < chart.series.size(); ++k) {
     const ChartSeries& s = chart.series[k];
-    const Color color = kColors[k % std::size(kColors)];
+    const Color color = colors[k];
     draw_series(plot, s, color);
+    // Without a label it shares the entry of the series before it.
+    if (!s.label.empty()) entry = at;
     if (s.dots)
-      plot.canvas.ring(legend + 9, at + 6, 0, 2.6, color);
+      plot.canvas.ring(legend + 9, entry + 6, 0, 2.6, color);
     else
-      plot.line(legend, at + 6, legend + 18, at + 6, color, 0.9);
+      plot.canvas.line(legend, entry + 6, legend + 18, entry + 6, 1.8, color);
     for (const std::string& part : wrapped(s.label, Font::small, kWidth - legend - 30)) {
       plot.canvas.text(legend + 26, at, part, Font::small, Align::left, kInk);
       at += text_height(Font::small) + 2;
     }
-    at += 4;
+    if (!s.label.empty()) at += 4;
   }
-  return plot.canvas.png();
-}
-
-void write_chart(const std::filesystem::path& path, const Chart& chart) {
-  write_file(path, draw_chart(chart));
+  return plot.canvas.bytes();
 }
 
 }  // namespace lamella

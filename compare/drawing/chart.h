@@ -1,17 +1,20 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "compare/drawing/canvas.h"
 
 namespace lamella {
 
 /// One curve of a chart.
 struct ChartSeries {
-  std::string label;
+  std::string label;  ///< empty: shown with the series before it
   std::vector<double> x, y;
   std::vector<double> error = {};  ///< of y, drawn as bars; empty: none
   bool dots = false;               ///< dots (what was simulated) instead of a line
+  /// The curve's colour is that of the series before it: one quantity, drawn twice.
+  bool same_color = false;
 };
 
 /// A chart of curves over one axis, linear in both.
@@ -22,11 +25,11 @@ struct Chart {
   bool from_zero = true;  ///< the y axis includes 0
 };
 
-/// PNG bytes; equal charts give equal bytes. Values that are not finite are left out. Throws
-/// std::invalid_argument where x, y or error have different lengths.
-[[nodiscard]] std::string draw_chart(const Chart& chart);
+/// The file's bytes; equal charts give equal bytes. Values that are not finite are left out. Throws
+/// std::invalid_argument where x, y or error have different lengths, PictureError without Cairo.
+[[nodiscard]] std::string draw_chart(const Chart& chart, PictureFormat format = PictureFormat::png);
 
-/// draw_chart to a file. Throws OutputError.
-void write_chart(const std::filesystem::path& path, const Chart& chart);
+/// The colour of every series, in their order.
+[[nodiscard]] std::vector<Color> series_colors(const Chart& chart);
 
 }  // namespace lamella

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "compare/drawing/picture_text.h"
+
 namespace lamella {
 namespace {
 

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <span>
 
+#include "compare/drawing/viridis_table.h"
+
 namespace lamella {
 namespace {
 
-constexpr std::array<std::uint32_t, 10> kViridis = {0x440154, 0x482878, 0x3e4a89, 0x31688e,
-                                                    0x26828e, 0x1f9e89, 0x35b779, 0x6dcd59,
-                                                    0xb4de2c, 0xfde725};
 constexpr std::array<std::uint32_t, 11> kBlueRed = {0x053061, 0x2166ac, 0x4393c3, 0x92c5de,
                                                     0xd1e5f0, 0xf7f7f7, 0xfddbc7, 0xf4a582,
                                                     0xd6604d, 0xb2182b, 0x67001f};
@@ -29,7 +28,12 @@ Color interpolate(std::span<const std::uint32_t> points, double t) {
 }  // namespace
 
 Color viridis(double t) {
-  return interpolate(kViridis, std::isnan(t) ? 0 : std::clamp(t, 0.0, 1.0));
+  constexpr std::size_t kLast = kViridis.size() - 1;
+  const double at =
+      static_cast<double>(kViridis.size()) * (std::isnan(t) ? 0 : std::clamp(t, 0.0, 1.0));
+  const std::uint32_t c = kViridis[std::min(static_cast<std::size_t>(at), kLast)];
+  return {static_cast<std::uint8_t>(c >> 16), static_cast<std::uint8_t>(c >> 8 & 0xff),
+          static_cast<std::uint8_t>(c & 0xff)};
 }
 
 Color diverging_color(double t) {

@@ -112,6 +112,14 @@ ColorScale signed_scale(std::span<const double> values) {
   return fixed_signed_scale(step * std::ceil(limit / step - 1e-9), step);
 }
 
+ColorScale ratio_scale(std::span<const double> values) {
+  double high = 10;
+  for (const double v : values)
+    if (std::isfinite(v)) high = std::max(high, std::min(std::fabs(v), kLargest));
+  const double decades = std::ceil(std::log10(high) - 1e-9);
+  return {.kind = ColorScale::Kind::logarithmic, .low = 0.1, .high = std::pow(10, decades)};
+}
+
 ColorScale fixed_signed_scale(double limit, double step) {
   return {.kind = ColorScale::Kind::diverging, .low = -limit, .high = limit, .step = step};
 }

@@ -38,6 +38,10 @@ struct ColorScale {
 /// Symmetric about 0, to at least the largest finite magnitude.
 [[nodiscard]] ColorScale signed_scale(std::span<const double> values);
 
+/// Logarithmic, for errors over their bounds: whole decades, from 0.1 to at least the largest
+/// finite magnitude and to 10, so that 1 is inside.
+[[nodiscard]] ColorScale ratio_scale(std::span<const double> values);
+
 /// Symmetric about 0, to a limit that is fixed beforehand, with ticks every `step`.
 [[nodiscard]] ColorScale fixed_signed_scale(double limit, double step);
 

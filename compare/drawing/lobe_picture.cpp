@@ -11,6 +11,7 @@
 #include "compare/drawing/canvas.h"
 #include "compare/drawing/color_bar.h"
 #include "compare/drawing/color_scale.h"
+#include "compare/drawing/picture_text.h"
 
 namespace lamella {
 namespace {
@@ -35,6 +36,7 @@ struct Group {
   std::vector<Panel> panels{};
   std::vector<std::string> notes{};
   bool open_ended = false;  // values beyond the ends are expected
+  bool magnitudes = false;  // signs are left out
 
   [[nodiscard]] int width() const {
     const int n = static_cast<int>(panels.size());
@@ -61,7 +63,7 @@ Group magnitude_group(const LobePicture& picture) {
   if (!picture.truth.empty()) group.panels.push_back({picture.truth, picture.truth_label});
   if (!picture.model.empty()) group.panels.push_back({picture.model, picture.model_label});
   const bool logarithmic = group.scale.kind == ColorScale::Kind::logarithmic;
-  add_notes(group, fmt::format("f [1/sr], {}{}", logarithmic ? "logarithmic" : "linear",
+  add_notes(group, fmt::format("f [sr\u207b\u00b9], {}{}", logarithmic ? "logarithmic" : "linear",
                                group.panels.size() > 1 ? ", one scale for both" : ""));
   for (const Panel& panel : group.panels) {
     const double low = group.scale.low;
@@ -82,8 +84,8 @@ Group magnitude_group(const LobePicture& picture) {
 }
 
 Group difference_group(Map map) {
-  Group group{.scale = signed_scale(map), .panels = {{map, "model - truth"}}};
-  add_notes(group, "difference [1/sr]");
+  Group group{.scale = signed_scale(map), .panels = {{map, "model \u2212 truth"}}};
+  add_notes(group, "difference [sr\u207b\u00b9]");
   const int infinite = count_cells(map, [](double v) { return std::isinf(v); });
   if (infinite > 0) add_notes(group, cells_text(infinite, map.size()) + " infinite");
   return group;
@@ -94,6 +96,18 @@ Group z_group(Map map) {
   const int beyond = count_cells(map, [](double v) { return std::fabs(v) > kZLimit; });
   add_notes(group, "difference / standard error");
   add_notes(group, fmt::format("|z| > {}: {}", kZLimit, cells_text(beyond, map.size())));
+  return group;
+}
+
+/// Of a bounded truth, whose bounds are so small that z would be far beyond any fixed end.
+Group bound_group(Map map) {
+  Group group{.scale = ratio_scale(map),
+              .panels = {{map, "error over bound"}},
+              .open_ended = true,
+              .magnitudes = true};
+  const int beyond = count_cells(map, [](double v) { return std::fabs(v) > 1; });
+  add_notes(group, "|difference| / error bound, logarithmic");
+  add_notes(group, fmt::format("beyond the bound: {}", cells_text(beyond, map.size())));
   return group;
 }
 
@@ -110,7 +124,8 @@ std::vector<Group> groups_of(const LobePicture& picture) {
   std::vector<Group> groups;
   if (!picture.truth.empty() || !picture.model.empty()) groups.push_back(magnitude_group(picture));
   if (!picture.difference.empty()) groups.push_back(difference_group(picture.difference));
-  if (!picture.z.empty()) groups.push_back(z_group(picture.z));
+  if (!picture.z.empty())
+    groups.push_back(picture.bounded ? bound_group(picture.z) : z_group(picture.z));
   return groups;
 }
 
@@ -139,7 +154,7 @@ Page page_of(const LobePicture& picture, const std::vector<Group>& groups) {
   page.title = wrapped(picture.title, Font::title, text);
   page.subtitle = wrapped(picture.subtitle, Font::small, text);
   page.convention = wrapped(
-      "Discs: radius sin(theta_o), phi counter-clockwise from the side of w_i. "
+      "Discs: radius sin \u03b8_o, \u03c6_o counter-clockwise from the side of w_i. "
       "Equal cells have equal area, which is their projected solid angle.",
       Font::small, text);
   const int lines = static_cast<int>(page.title.size() + page.subtitle.size());
@@ -152,8 +167,10 @@ Page page_of(const LobePicture& picture, const std::vector<Group>& groups) {
   return page;
 }
 
-/// Colour of a cell without a value at a pixel: it can't be taken for one of a scale.
-Color hatch(int x, int y) { return (x + y) % 6 < 2 ? Color{150, 150, 150} : Color{214, 214, 214}; }
+/// Colour of a cell without a value at a place: it can't be taken for one of a scale.
+Color hatch(double x, double y) {
+  return std::fmod(x + y, 6) < 2 ? Color{150, 150, 150} : Color{214, 214, 214};
+}
 
 /// The cells under the pixels of a disc, kSide x kSide samples each; -1 outside. The same for all
 /// panels.
@@ -161,65 +178,80 @@ class DiscCells {
  public:
   static constexpr int kSide = 3, kSamples = kSide * kSide;
 
-  explicit DiscCells(const CellGrid& grid) {
-    cells_.reserve(std::size_t{kPanel} * kPanel * kSamples);
-    for (int y = 0; y < kPanel; ++y)
-      for (int x = 0; x < kPanel; ++x)
+  /// `scale`: pixels per unit of length.
+  DiscCells(const CellGrid& grid, int scale) : size_(kPanel * scale) {
+    cells_.reserve(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_) * kSamples);
+    for (int y = 0; y < size_; ++y)
+      for (int x = 0; x < size_; ++x)
         for (int s = 0; s < kSamples; ++s) {
           const int across = s % kSide, down = s / kSide;
-          const double u = 2 * (x + (across + 0.5) / kSide) / kPanel - 1;
-          const double v = 1 - 2 * (y + (down + 0.5) / kSide) / kPanel;
+          const double u = 2 * (x + (across + 0.5) / kSide) / size_ - 1;
+          const double v = 1 - 2 * (y + (down + 0.5) / kSide) / size_;
           const double sine2 = u * u + v * v, phi = std::atan2(v, u);
           cells_.push_back(sine2 > 1 ? -1 : grid.cell(1 - sine2, phi < 0 ? phi + 2 * kPi : phi));
         }
   }
 
+  [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] std::span<const int> samples(int x, int y) const {
-    const std::size_t pixel = static_cast<std::size_t>(y) * kPanel + static_cast<std::size_t>(x);
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(size_) + static_cast<std::size_t>(x);
     return std::span(cells_).subspan(pixel * kSamples, kSamples);
   }
 
  private:
+  int size_;
   std::vector<int> cells_;
 };
 
 /// A map with its colours looked up once; none for nan.
 class Painter {
  public:
-  Painter(const CellGrid& grid, Map map, const ColorScale& scale) : grid_(grid) {
+  Painter(const CellGrid& grid, Map map, const Group& group) : grid_(grid) {
     colors_.reserve(map.size());
     for (const double v : map)
-      colors_.push_back(std::isnan(v) ? std::nullopt : std::optional(scale.color(v)));
+      colors_.push_back(
+          std::isnan(v) ? std::nullopt
+                        : std::optional(group.scale.color(group.magnitudes ? std::fabs(v) : v)));
   }
 
   /// Each pixel is the mean of what it covers of the disc; outside stays as it is.
   void disc(Canvas& canvas, const DiscCells& cells, int left, int top) const {
-    for (int y = 0; y < kPanel; ++y)
-      for (int x = 0; x < kPanel; ++x) {
+    const int size = cells.size();
+    const double step = 1.0 / canvas.raster_scale();
+    Raster raster(size, size);
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
         int r = 0, g = 0, b = 0, count = 0;
         for (const int cell : cells.samples(x, y)) {
           if (cell < 0) continue;
-          const Color c = at(cell, left + x, top + y);
+          const Color c = at(cell, left + x * step, top + y * step);
           r += c.r, g += c.g, b += c.b, ++count;
         }
         if (count == 0) continue;
         const auto mean = [&](int sum) { return static_cast<std::uint8_t>(sum / count); };
-        canvas.blend(left + x, top + y, {mean(r), mean(g), mean(b)},
-                     static_cast<double>(count) / DiscCells::kSamples);
+        raster.set(x, y, {mean(r), mean(g), mean(b)},
+                   static_cast<double>(count) / DiscCells::kSamples);
       }
+    canvas.paint(raster, left, top, kPanel, kPanel);
   }
 
   void rectangle(Canvas& canvas, int left, int top) const {
     const double phi_range = grid_.folded ? kPi : 2 * kPi;
-    for (int y = 0; y < kRectangle; ++y)
-      for (int x = 0; x < kPanel; ++x) {
-        const int cell = grid_.cell(1 - (y + 0.5) / kRectangle, (x + 0.5) / kPanel * phi_range);
-        canvas.pixel(left + x, top + y, at(cell, left + x, top + y));
+    const int scale = canvas.raster_scale(), width = kPanel * scale, height = kRectangle * scale;
+    Raster raster(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const int cell = grid_.cell(1 - (y + 0.5) / height, (x + 0.5) / width * phi_range);
+        raster.set(
+            x, y,
+            at(cell, left + static_cast<double>(x) / scale, top + static_cast<double>(y) / scale));
       }
+    canvas.paint(raster, left, top, kPanel, kRectangle);
   }
 
  private:
-  [[nodiscard]] Color at(int cell, int x, int y) const {
+  [[nodiscard]] Color at(int cell, double x, double y) const {
     const auto& color = colors_[static_cast<std::size_t>(cell)];
     return color ? *color : hatch(x, y);
   }
@@ -262,9 +294,10 @@ void draw_rectangle_frame(Canvas& canvas, const LobePicture& picture, int left, 
                 fmt::format("{}\u00b0", i * (picture.grid.folded ? 45 : 90)), Font::small,
                 Align::center, kSoftText);
   }
-  canvas.text(left + kPanel / 2, top + kRectangle + 22,
-              picture.grid.folded ? "phi_o (folded: each stands for -phi too)" : "phi_o",
-              Font::small, Align::center, kSoftText);
+  canvas.text(
+      left + kPanel / 2, top + kRectangle + 22,
+      picture.grid.folded ? "\u03c6_o (folded: each stands for \u2212\u03c6_o too)" : "\u03c6_o",
+      Font::small, Align::center, kSoftText);
   constexpr struct {
     int theta;
     double sine2;
@@ -277,8 +310,8 @@ void draw_rectangle_frame(Canvas& canvas, const LobePicture& picture, int left, 
                   kSoftText);
   }
   if (first)
-    canvas.text_upwards(left - 50, top + kRectangle / 2, "theta_o, even in mu^2", Font::small,
-                        kSoftText);
+    canvas.text_upwards(left - 50, top + kRectangle / 2, "\u03b8_o, even in \u03bc_o\u00b2",
+                        Font::small, kSoftText);
   const double sine2 = 1 - picture.mu_i * picture.mu_i;
   // -w_i is at phi = 180 degrees: half way, or the end of a folded grid.
   const double x = !picture.transmitted ? 0 : picture.grid.folded ? kPanel : kPanel / 2.0;
@@ -289,12 +322,18 @@ void draw_legend(Canvas& canvas, const LobePicture& picture, const Page& page) {
   int x = 20;
   const int y = page.legend_top;
   draw_mark(canvas, x + 7, y + 7, picture.transmitted);
-  const std::string mark = picture.transmitted ? "-w_i (straight through)" : "w_i";
+  const std::string mark = picture.transmitted ? "\u2212w_i (straight through)" : "w_i";
   canvas.text(x + 20, y, mark, Font::small, Align::left, kText);
   x += 20 + text_width(mark, Font::small) + 24;
   if (page.has_empty_cells) {
-    for (int j = 0; j < 13; ++j)
-      for (int i = 0; i < 22; ++i) canvas.pixel(x + i, y + j, hatch(x + i, y + j));
+    constexpr int kWidth = 22, kHeight = 13;
+    const int scale = canvas.raster_scale();
+    Raster raster(kWidth * scale, kHeight * scale);
+    for (int j = 0; j < raster.height(); ++j)
+      for (int i = 0; i < raster.width(); ++i)
+        raster.set(i, j,
+                   hatch(x + static_cast<double>(i) / scale, y + static_cast<double>(j) / scale));
+    canvas.paint(raster, x, y, kWidth, kHeight);
     canvas.outline(x - 1, y - 1, 24, 15, kLine);
     canvas.text(x + 29, y, "cell without a value", Font::small, Align::left, kText);
   }
@@ -309,12 +348,13 @@ PictureLayout layout_of(const LobePicture& picture) {
   return page_of(picture, groups_of(picture)).layout;
 }
 
-std::string draw_lobe(const LobePicture& picture) {
+std::string draw_lobe(const LobePicture& picture, PictureFormat format) {
+  Canvas::require_available();
   const std::vector<Group> groups = groups_of(picture);
   const Page page = page_of(picture, groups);
   const PictureLayout& layout = page.layout;
-  Canvas canvas(layout.width, layout.height);
-  const DiscCells cells(picture.grid);
+  Canvas canvas(layout.width, layout.height, format);
+  const DiscCells cells(picture.grid, canvas.raster_scale());
   int y = kTop;
   for (const std::string& line : page.title) {
     canvas.text(20, y, line, Font::title, Align::left, kText);
@@ -329,7 +369,7 @@ std::string draw_lobe(const LobePicture& picture) {
     const int bar_left = PictureLayout::panel_left(index);
     for (const Panel& panel : group.panels) {
       const int left = PictureLayout::panel_left(index);
-      const Painter painter(picture.grid, panel.map, group.scale);
+      const Painter painter(picture.grid, panel.map, group);
       canvas.text(left + kPanel / 2, layout.disc_top - 36,
                   shortened(panel.heading, Font::bold, kPanel + PictureLayout::kGap / 2),
                   Font::bold, Align::center, kText);
@@ -346,11 +386,7 @@ std::string draw_lobe(const LobePicture& picture) {
                   group.notes[i], Font::small, Align::center, i == 0 ? kText : kSoftText);
   }
   draw_legend(canvas, picture, page);
-  return canvas.png();
-}
-
-void write_picture(const std::filesystem::path& path, const LobePicture& picture) {
-  write_file(path, draw_lobe(picture));
+  return canvas.bytes();
 }
 
 }  // namespace lamella

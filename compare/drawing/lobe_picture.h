@@ -1,10 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "compare/files/output_folder.h"
+#include "compare/drawing/canvas.h"
 #include "volume/result/cell_grid.h"
 
 namespace lamella {
@@ -17,28 +16,28 @@ struct LobePicture {
   std::vector<double> truth;       ///< f [1/sr]
   std::vector<double> model;       ///< f [1/sr]
   std::vector<double> difference;  ///< model - truth [1/sr]
-  std::vector<double> z;           ///< difference in standard errors
+  std::vector<double> z;           ///< difference in standard errors, or in error bounds
 
-  std::string title;     ///< UTF-8; the fonts have ASCII and the degree sign
+  std::string title;
   std::string subtitle;  ///< may be empty
   std::string truth_label = "truth";
   std::string model_label = "model";
   double mu_i = 1;           ///< of w_i, whose place is marked
   bool transmitted = false;  ///< the hemisphere w_i is not in: -w_i is marked
   bool logarithmic = false;  ///< scale of truth and model
+  bool bounded = false;      ///< the truth has error bounds, not standard errors
 };
 
-/// PNG bytes: above, each map as a disc, the hemisphere seen along z from above, the lower one too
-/// (radius sin theta_o, so that equal cells have equal area; phi = 0, the side of w_i, on the
-/// right, counter-clockwise; a folded grid mirrored to the full circle); below, the same map as a
-/// rectangle with phi to the right and mu^2 falling downwards; then the scales. truth and model
-/// share one; that of the difference is symmetric about 0; z goes from -4 to 4, and what lies
-/// beyond is counted. Equal input gives equal bytes. Throws std::invalid_argument for a map of the
-/// wrong size or no map at all.
-[[nodiscard]] std::string draw_lobe(const LobePicture& picture);
-
-/// draw_lobe to a file. Throws OutputError.
-void write_picture(const std::filesystem::path& path, const LobePicture& picture);
+/// The file's bytes. Above, each map as a disc, the hemisphere seen along z from above, the lower
+/// one too (radius sin theta_o, so that equal cells have equal area; phi = 0, the side of w_i, on
+/// the right, counter-clockwise; a folded grid mirrored to the full circle); below, the same map as
+/// a rectangle with phi to the right and mu^2 falling downwards; then the scales. truth and model
+/// share one; that of the difference is symmetric about 0. z goes from -4 to 4, and what lies
+/// beyond is counted; where the truth is bounded the error over its bound, |z|, is shown on a
+/// logarithmic scale. Equal input gives equal bytes. Throws std::invalid_argument for a map of the
+/// wrong size or no map at all, PictureError without Cairo.
+[[nodiscard]] std::string draw_lobe(const LobePicture& picture,
+                                    PictureFormat format = PictureFormat::png);
 
 /// Where draw_lobe puts things, in pixels from the top left: for those who look at single pixels.
 struct PictureLayout {

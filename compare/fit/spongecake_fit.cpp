@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analytic/layered/spongecake.h"
+#include "phase/math/luminance.h"
 #include "phase/stack/single_scattering.h"
 
 namespace lamella {
@@ -231,9 +232,11 @@ SpongecakeFit fit_spongecake(const Stack& stack, const std::vector<RunResult>& r
       error[r] += std::pow(values[k][c] - cells[k].truth[c], 2);
       truth[r] += std::pow(cells[k].truth[c], 2);
       noise[r] += cells[k].variance[c];
-      counts[r] += 1;
-      fit.residues[r].energy_truth += kPi * cells[k].truth[c];
-      fit.residues[r].energy_model += kPi * values[k][c];
+      const double weight =
+          layout.channels == 1 ? 1 : kLuminanceWeights[static_cast<std::size_t>(c)];
+      counts[r] += weight;
+      fit.residues[r].energy_truth += kPi * weight * cells[k].truth[c];
+      fit.residues[r].energy_model += kPi * weight * values[k][c];
     }
   for (std::size_t r = 0; r < fit.residues.size(); ++r) {
     SpongecakeResidue& residue = fit.residues[r];

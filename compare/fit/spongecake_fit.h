@@ -12,7 +12,7 @@ namespace lamella {
 struct SpongecakeResidue {
   Direction wi{};
   bool reflected = true;
-  double energy_truth = 0, energy_model = 0;  ///< of orders 2 and up, mean over the channels
+  double energy_truth = 0, energy_model = 0;  ///< of orders 2 and up, luminance (Rec. 709)
   double relative_rmse = 0;                   ///< over the cells; 1: as far off as no lobe at all
   double noise = 0;                           ///< the part of it that is the simulation's
 };

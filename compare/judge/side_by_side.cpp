@@ -7,7 +7,9 @@
 
 #include "compare/judge/projection.h"
 #include "compare/request/model_request.h"
+#include "compare/request/percent.h"
 #include "phase/math/degrees.h"
+#include "phase/math/luminance.h"
 #include "volume/grains/grain_measure.h"
 #include "volume/run/simulation.h"
 
@@ -18,10 +20,13 @@ constexpr std::uint64_t kRealisations = 64, kRays = 2000;
 // A medium is walked much faster than grains: its noise need not show.
 constexpr std::uint64_t kMoreWalks = 4;
 
-double mean_energy(const std::vector<double>& lobe) {
-  double sum = 0;
-  for (const double f : lobe) sum += f;
-  return sum * kPi / static_cast<double>(lobe.size());
+/// Of a lobe, [channel][cell]; cells have equal projected solid angles, pi in all.
+double energy_of(const std::vector<double>& lobe, int channels) {
+  std::vector<double> energies(static_cast<std::size_t>(channels));
+  const std::size_t cells = lobe.size() / energies.size();
+  for (std::size_t k = 0; k < lobe.size(); ++k)
+    energies[k / cells] += lobe[k] * kPi / static_cast<double>(cells);
+  return luminance(energies);
 }
 
 RunResult walked(const TruthRequest& medium, const RunResult& like, const StopFlag* stop) {
@@ -81,8 +86,8 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
                        .medium = medium.layers[0].medium_name,
                        .model = {},
                        .order = static_cast<Order>(o),
-                       .energy_geometry = mean_energy(g.value),
-                       .energy_medium = mean_energy(f.value),
+                       .energy_geometry = energy_of(g.value, grains.channels),
+                       .energy_medium = energy_of(f.value, flat.channels),
                        .medium_error = relative_error(g, f.value, f.standard_error),
                        .model_error = {},
                        .total_error = {}};
@@ -93,7 +98,7 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
             continue;
           any = true;
           row.model = models[k].info->name;
-          row.energy_model = mean_energy(p.lobes[o]);
+          row.energy_model = energy_of(p.lobes[o], flat.channels);
           row.model_error = relative_error(f, p.lobes[o]);
           row.total_error = relative_error(g, p.lobes[o]);
           rows.push_back(row);
@@ -110,20 +115,20 @@ std::string side_by_side_table(const std::vector<SideBySide>& rows) {
       "\nThe geometry, a medium measured from it, a closed form of that medium; relative RMSE "
       "without noise of\n  (a) geometry - medium: the medium's part, (b) medium - form: the closed "
       "form's part, (c) geometry - form\n";
-  text += fmt::format("  {:>7} {:>5} {:>9} | {:<14} {:>9} {:>8} | {:<30} {:>9} {:>8} {:>8} {:>8}\n",
+  text += fmt::format("  {:>7} {:>5} {:>9} | {:<14} {:>9} {:>9} | {:<30} {:>9} {:>9} {:>9} {:>9}\n",
                       "theta_i", "order", "geometry", "medium", "energy", "(a)", "closed form",
                       "energy", "(b)", "(c)", "noise");
   for (const SideBySide& r : rows) {
-    text += fmt::format("  {:>7g} {:>5} {:>9.5f} | {:<14} {:>9.5f} {:>7.2f}% | ",
-                        theta_degrees(r.wi), to_text(r.order), r.energy_geometry, r.medium,
-                        r.energy_medium, 100 * r.medium_error.rmse);
+    text += fmt::format("  {:>7g} {:>5} {:>9.5f} | {:<14} {:>9.5f} {:>9} | ", theta_degrees(r.wi),
+                        to_text(r.order), r.energy_geometry, r.medium, r.energy_medium,
+                        percent_cell(r.medium_error.rmse));
     if (r.model.empty())
-      text += fmt::format("{:<30} {:>9} {:>8} {:>8} {:>7.2f}%\n", "-", "", "", "",
-                          100 * r.medium_error.noise);
+      text += fmt::format("{:<30} {:>9} {:>9} {:>9} {:>9}\n", "-", "", "", "",
+                          percent_cell(r.medium_error.noise));
     else
-      text += fmt::format("{:<30} {:>9.5f} {:>7.2f}% {:>7.2f}% {:>7.2f}%\n", r.model,
-                          r.energy_model, 100 * r.model_error.rmse, 100 * r.total_error.rmse,
-                          100 * r.medium_error.noise);
+      text += fmt::format("{:<30} {:>9.5f} {:>9} {:>9} {:>9}\n", r.model, r.energy_model,
+                          percent_cell(r.model_error.rmse), percent_cell(r.total_error.rmse),
+                          percent_cell(r.medium_error.noise));
   }
   return text;
 }

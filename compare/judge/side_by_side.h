@@ -29,7 +29,7 @@ struct SideBySide {
   std::string medium;  ///< its layer's
   std::string model;   ///< empty: no closed form of that medium stands for this order
   Order order = Order::all;
-  double energy_geometry = 0, energy_medium = 0, energy_model = 0;  ///< means over the channels
+  double energy_geometry = 0, energy_medium = 0, energy_model = 0;  ///< luminance (Rec. 709)
   RelativeError medium_error;                                       ///< geometry against medium
   RelativeError model_error;                                        ///< medium against model
   RelativeError total_error;                                        ///< geometry against model

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/drawing/canvas.h"
 #include "compare/drawing/color_scale.h"
 #include "compare/files/exr_file.h"
 #include "phase/math/color.h"
@@ -79,9 +80,11 @@ struct PreviewScales {
 [[nodiscard]] std::string difference_png(const PreviewImage& truth, const PreviewImage& model,
                                          const ColorScale& scale);
 
-/// PNG bytes: the pictures of a view side by side at one exposure (the truth's 99th percentile is
-/// white), below each model its signed difference from the truth in luminance, with the scale.
+/// The file's bytes: the pictures of a view side by side at one exposure (the truth's 99th
+/// percentile is white), below each model its signed difference from the truth in luminance, with
+/// the scale.
 [[nodiscard]] std::string draw_preview(const std::string& title,
-                                       const std::vector<PreviewColumn>& columns);
+                                       const std::vector<PreviewColumn>& columns,
+                                       PictureFormat format = PictureFormat::png);
 
 }  // namespace lamella

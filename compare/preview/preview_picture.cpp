@@ -6,7 +6,9 @@
 
 #include "compare/drawing/canvas.h"
 #include "compare/drawing/color_bar.h"
+#include "compare/drawing/picture_text.h"
 #include "compare/preview/preview.h"
+#include "phase/math/luminance.h"
 
 namespace lamella {
 namespace {
@@ -14,8 +16,6 @@ namespace {
 constexpr int kMargin = 16, kGap = 14, kTitle = 30, kLabel = 20, kScaleLabel = 170;
 constexpr Color kBackground{24, 26, 30}, kText{235, 237, 242};
 constexpr double kWhitePercentile = 0.99;
-
-double luminance(Rgb c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
 std::uint8_t encoded(double linear) {
   const double v = std::clamp(linear, 0.0, 1.0);
@@ -45,11 +45,13 @@ double difference_at(const PreviewImage& truth, const PreviewImage& model, std::
 
 void paint(Canvas& canvas, int left, int top, const PreviewImage& image,
            const std::function<Color(std::size_t)>& color) {
+  Raster raster(image.width, image.height);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const std::size_t k = static_cast<std::size_t>(y) * image.width + x;
-      if (image.covered[k]) canvas.pixel(left + x, top + y, color(k));
+      if (image.covered[k]) raster.set(x, y, color(k));
     }
+  canvas.paint(raster, left, top, image.width, image.height);
 }
 
 void paint_picture(Canvas& canvas, int left, int top, const PreviewImage& image, double white) {
@@ -80,7 +82,7 @@ std::string picture_png(const PreviewImage& image, double white) {
   Canvas canvas(image.width, image.height);
   canvas.fill(0, 0, image.width, image.height, kBackground);
   paint_picture(canvas, 0, 0, image, white);
-  return canvas.png();
+  return canvas.bytes();
 }
 
 std::string difference_png(const PreviewImage& truth, const PreviewImage& model,
@@ -88,17 +90,19 @@ std::string difference_png(const PreviewImage& truth, const PreviewImage& model,
   Canvas canvas(model.width, model.height);
   canvas.fill(0, 0, model.width, model.height, kBackground);
   paint_difference(canvas, 0, 0, truth, model, scale);
-  return canvas.png();
+  return canvas.bytes();
 }
 
-std::string draw_preview(const std::string& title, const std::vector<PreviewColumn>& columns) {
+std::string draw_preview(const std::string& title, const std::vector<PreviewColumn>& columns,
+                         PictureFormat format) {
+  Canvas::require_available();
   const PreviewImage& truth = columns.front().image;
   const int count = static_cast<int>(columns.size());
   const int width = std::max(320, 2 * kMargin + count * truth.width + (count - 1) * kGap);
   const int second = kTitle + kLabel + truth.height + kGap;
   const bool models = count > 1;
   const int height = second + (models ? kLabel + truth.height + kGap : 0) + kColorBarHeight;
-  Canvas canvas(width, height);
+  Canvas canvas(width, height, format);
   canvas.fill(0, 0, width, height, kBackground);
   text(canvas, kMargin, 8, title, Font::bold, width - 2 * kMargin);
   const PreviewScales scales = scales_of(columns);
@@ -108,7 +112,7 @@ std::string draw_preview(const std::string& title, const std::vector<PreviewColu
     text(canvas, left, kTitle, columns[c].name, Font::small, truth.width);
     paint_picture(canvas, left, kTitle + kLabel, image, scales.white);
     if (c == 0) continue;
-    text(canvas, left, second, "model - truth", Font::small, truth.width);
+    text(canvas, left, second, "model \u2212 truth", Font::small, truth.width);
     paint_difference(canvas, left, second + kLabel, truth, image, scales.difference);
   }
   if (models) {
@@ -116,9 +120,10 @@ std::string draw_preview(const std::string& title, const std::vector<PreviewColu
               top = height - kColorBarHeight - 2;
     canvas.fill(0, top - 4, width, height - top + 4, Color{255, 255, 255});
     draw_color_bar(canvas, scales.difference, kMargin + kScaleLabel, top, bar, false);
-    canvas.text(kMargin, top, "luminance, model - truth", Font::small, Align::left, Color{0, 0, 0});
+    canvas.text(kMargin, top, "luminance, model \u2212 truth", Font::small, Align::left,
+                Color{0, 0, 0});
   }
-  return canvas.png();
+  return canvas.bytes();
 }
 
 }  // namespace lamella

@@ -9,6 +9,7 @@
 #include "compare/files/output_folder.h"
 #include "compare/report/lobe_files.h"
 #include "compare/request/interrupt.h"
+#include "phase/math/luminance.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -20,8 +21,7 @@ double mean_luminance(const PreviewImage& image) {
   double sum = 0, count = 0;
   for (std::size_t k = 0; k < image.radiance.size(); ++k) {
     if (!image.covered[k]) continue;
-    const Rgb c = image.radiance[k];
-    sum += 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+    sum += luminance(image.radiance[k]);
     ++count;
   }
   return count > 0 ? sum / count : 0;
@@ -73,7 +73,8 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
 
 void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
                          const LobeTable& truth, const Stack& stack,
-                         const PreviewLighting& lighting) {
+                         const PreviewLighting& lighting,
+                         const std::vector<PictureFormat>& formats) {
   for (const PreviewResult& result : views) {
     ExrImage image;
     image.width = result.view.width();
@@ -90,8 +91,10 @@ void write_preview_files(const std::string& prefix, const std::vector<PreviewRes
     for (std::size_t k = 0; k < result.columns.size(); ++k)
       add_channels(image, result.columns[k].name, result.columns[k].image, k == 0);
     write_exr(prefix + result.name() + ".exr", image);
-    write_file(prefix + result.name() + ".png",
-               draw_preview(stack.name + ": " + title_of(result.view, lighting), result.columns));
+    write_pictures(prefix + result.name(), formats, [&](PictureFormat format) {
+      return draw_preview(stack.name + ": " + title_of(result.view, lighting), result.columns,
+                          format);
+    });
   }
 }
 

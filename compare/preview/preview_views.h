@@ -33,10 +33,11 @@ struct PreviewResult {
                                                        const PreviewLighting& lighting, int size,
                                                        const StopFlag* stop);
 
-/// Writes `prefix`NAME.exr and .png of every view. Throws OutputError.
+/// Writes `prefix`NAME.exr and a picture per format of every view. Throws OutputError.
 void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
                          const LobeTable& truth, const Stack& stack,
-                         const PreviewLighting& lighting);
+                         const PreviewLighting& lighting,
+                         const std::vector<PictureFormat>& formats);
 
 /// For an answer: per view its scene and light, and the mean luminance of each picture.
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PreviewResult>& views);

@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "compare/drawing/lobe_picture.h"
+#include "compare/judge/verdict_text.h"
 #include "phase/math/degrees.h"
+#include "phase/math/luminance.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -148,8 +150,10 @@ ExrImage comparison_image(const TruthRequest& request, const std::vector<RunResu
 
 int write_comparison_pictures(const std::string& folder, const std::string& model,
                               const std::string& stack, const std::vector<RunResult>& runs,
-                              const std::vector<LobeComparison>& lobes) {
+                              const std::vector<LobeComparison>& lobes,
+                              const std::vector<PictureFormat>& formats) {
   int count = 0;
+  if (formats.empty()) return count;
   for (const LobeComparison& l : lobes) {
     const int run = index_of(runs, l.wi), channels = static_cast<int>(l.energy_truth.size());
     const std::size_t cells = runs[run].grid.cells();
@@ -158,11 +162,11 @@ int write_comparison_pictures(const std::string& folder, const std::string& mode
     const std::vector<double> z = l.z();
     double energy = 0;
     for (std::size_t k = 0; k < cells; ++k) {
-      // Colour as luminance (Rec. 709 weights); z as that of the channel farthest off.
+      // Colour as luminance; z as that of the channel farthest off.
       double truth = 0, value = 0, farthest = 0;
       bool seen = false;
       for (int c = 0; c < channels; ++c) {
-        const double weight = channels == 1 ? 1 : c == 0 ? 0.2126 : c == 1 ? 0.7152 : 0.0722;
+        const double weight = channels == 1 ? 1 : kLuminanceWeights[c];
         const std::size_t i = c * cells + k;
         truth += weight * l.truth[i];
         value += weight * l.model[i];
@@ -179,17 +183,15 @@ int write_comparison_pictures(const std::string& folder, const std::string& mode
     const std::string lobe = to_text(l.order) == "all" ? "all orders" : "order " + to_text(l.order);
     picture.title = fmt::format("{} against simulation of {}", model, stack);
     picture.subtitle = fmt::format(
-        "theta_i = {:.4g}\u00b0, phi_i = {:.4g}\u00b0, {}, {}{}: {}", theta_degrees(l.wi),
+        "\u03b8_i = {:.4g}\u00b0, \u03c6_i = {:.4g}\u00b0, {}, {}{}: {}", theta_degrees(l.wi),
         phi_degrees(l.wi), l.reflected ? "reflected" : "transmitted", lobe,
-        channels == 1 ? "" : ", luminance",
-        l.verdict == Verdict::differs
-            ? fmt::format("differs by {:.2g} %", 100 * l.relative_rmse_without_noise)
-            : to_text(l.verdict));
+        channels == 1 ? "" : fmt::format(", {}", kLuminanceName), verdict_text(l));
     picture.mu_i = std::abs(l.wi.z);
     picture.transmitted = !l.reflected;
-    write_picture(fmt::format("{}/{}_wi{}_{}_{}.png", folder, model, run, side_name(l.reflected),
-                              lobe_name(static_cast<int>(l.order))),
-                  picture);
+    picture.bounded = l.bounded;
+    write_pictures(fmt::format("{}/{}_wi{}_{}_{}", folder, model, run, side_name(l.reflected),
+                               lobe_name(static_cast<int>(l.order))),
+                   formats, [&](PictureFormat format) { return draw_lobe(picture, format); });
     ++count;
   }
   return count;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/drawing/picture_format.h"
 #include "compare/files/exr_file.h"
 #include "compare/judge/comparison.h"
 #include "compare/request/truth_request.h"
@@ -25,9 +26,11 @@ namespace lamella {
                                         const std::vector<LobeComparison>& lobes,
                                         const std::string& model);
 
-/// Writes a PNG picture of each comparison whose truth or model has energy; returns their number.
+/// Draws each comparison whose truth or model has energy, a file per format; returns how many were
+/// drawn.
 int write_comparison_pictures(const std::string& folder, const std::string& model,
                               const std::string& stack, const std::vector<RunResult>& runs,
-                              const std::vector<LobeComparison>& lobes);
+                              const std::vector<LobeComparison>& lobes,
+                              const std::vector<PictureFormat>& formats);
 
 }  // namespace lamella

@@ -126,13 +126,12 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
       if (k < 2) series[k].error.push_back(k == 0 ? one.standard_error : all.standard_error);
     }
   }
-  write_chart(context.folder + "/convergence.png",
-              {.title = "A bed of Lambertian spheres against the Lambert-sphere medium",
-               .subtitle = "relative differences at theta_i = 60, with standard errors",
-               .x_label = "log10 of the volume fraction",
-               .y_label = "relative difference",
-               .series = std::move(series)});
-  context.pictures.push_back("convergence.png");
+  context.write("convergence",
+                {.title = "A bed of Lambertian spheres against the Lambert-sphere medium",
+                 .subtitle = "relative differences at \u03b8_i = 60\u00b0, with standard errors",
+                 .x_label = "log\u2081\u2080 of the volume fraction",
+                 .y_label = "relative difference",
+                 .series = std::move(series)});
   return rows;
 }
 
@@ -146,7 +145,7 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
   Json rows = Json::array();
   Chart chart{.title = "Successively smaller spheres in a slab of one thickness",
               .subtitle = "relative RMSE of vmf_diffuse against the bed, all orders, no noise",
-              .x_label = "log2 of thickness over radius",
+              .x_label = "log\u2082 of thickness over radius",
               .y_label = "relative RMSE",
               .series = {}};
   for (const double packing : packings) {
@@ -199,8 +198,7 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
     if (context.table) fmt::print(context.table, "\n");
     chart.series.push_back(std::move(curve));
   }
-  write_chart(context.folder + "/error.png", chart);
-  context.pictures.push_back("error.png");
+  context.write("error", chart);
   return rows;
 }
 
@@ -245,7 +243,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
       ChartSeries grains{.label = "sphere bed", .x = angles, .y = {}, .error = {}, .dots = true};
       ChartSeries flakes{
           .label = fmt::format("vmf_diffuse, r = {:g}", kRoughness), .x = angles, .y = {}};
-      ChartSeries field{.label = fmt::format("Beckmann height field, alpha = {:g}", kAlpha),
+      ChartSeries field{.label = fmt::format("Beckmann height field, \u03b1 = {:g}", kAlpha),
                         .x = angles,
                         .y = {}};
       if (context.table)
@@ -293,15 +291,13 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
                      std::sqrt(std::max(0.0, error_beckmann - variance) / square));
         fmt::print(context.table, "; noise {:.4f}\n", std::sqrt(variance / square));
       }
-      Chart chart{.title = fmt::format("theta_i = {:g} degrees, bounce {}", theta_i, order + 1),
-                  .subtitle = "in the plane of incidence; theta_o > 0 on the side of the light",
-                  .x_label = "theta_o [degrees]",
-                  .y_label = "f [1/sr]",
+      Chart chart{.title = fmt::format("\u03b8_i = {:g}\u00b0, bounce {}", theta_i, order + 1),
+                  .subtitle = "in the plane of incidence; \u03b8_o > 0 on the side of the light",
+                  .x_label = "\u03b8_o [degrees]",
+                  .y_label = "f [sr\u207b\u00b9]",
                   .series = {grains, flakes}};
       if (beckmann) chart.series.push_back(field);
-      const std::string name = fmt::format("theta_{:g}_bounce_{}.png", theta_i, order + 1);
-      write_chart(context.folder + "/" + name, chart);
-      context.pictures.push_back(name);
+      context.write(fmt::format("theta_{:g}_bounce_{}", theta_i, order + 1), chart);
     }
   }
   return rows;

@@ -94,11 +94,13 @@ void for_realisations(const ReproductionContext& context, const GrainGeometry& g
 Json reproduce_micrograin_figure_4(ReproductionContext& context) {
   constexpr int kBins = 16;
   Json rows = Json::array();
-  Chart density{.title = "Distance to the closest grain",
-                .subtitle = "lines: 2 pi rho r exp(-rho pi r^2); dots: simulated, with errors",
-                .x_label = "r / r_s",
-                .y_label = "density p(r) r_s",
-                .series = {}};
+  Chart density{
+      .title = "Distance to the closest grain",
+      .subtitle =
+          "lines: 2\u03c0\u03c1r exp(\u2212\u03c1\u03c0r\u00b2); dots: simulated, with errors",
+      .x_label = "r / r_s",
+      .y_label = "density p(r) r_s",
+      .series = {}};
   header(context, {"tau0", "r / r_s"});
   for (const double tau0 : {0.1, 0.4, 0.7, 0.9}) {
     const GrainGeometry g = grains(tau0, 1);
@@ -127,8 +129,8 @@ Json reproduce_micrograin_figure_4(ReproductionContext& context) {
       for (int b = 0; b < kBins; ++b) bins[b].values.push_back(counts[b] / n / width);
       within.values.push_back(inside / n);
     });
-    ChartSeries line{.label = fmt::format("tau0 = {:g}", tau0), .x = {}, .y = {}};
-    ChartSeries dots{.label = "simulated", .x = {}, .y = {}, .error = {}, .dots = true};
+    ChartSeries line{.label = fmt::format("\u03c4\u2080 = {:g}", tau0), .x = {}, .y = {}};
+    ChartSeries dots{.label = "", .x = {}, .y = {}, .error = {}, .dots = true, .same_color = true};
     const auto pdf = [&](double r) { return 2 * kPi * rho * r * std::exp(-rho * kPi * r * r); };
     for (int k = 0; k <= 100; ++k) {
       line.x.push_back(reach * k / 100);
@@ -153,8 +155,7 @@ Json reproduce_micrograin_figure_4(ReproductionContext& context) {
                "(the last row of each tau0: the share of points nearer than r_s, the filling "
                "factor)\n");
   closing(context, rows);
-  write_chart(context.folder + "/distances.png", density);
-  context.pictures.push_back("distances.png");
+  context.write("distances", density);
   return rows;
 }
 
@@ -163,8 +164,8 @@ Json reproduce_micrograin_figure_5(ReproductionContext& context) {
   Json rows = Json::array();
   Chart chart{.title = "Distribution of the grains' normals",
               .subtitle = "lines: eq. 16; dots: normals met by vertical rays, with errors",
-              .x_label = "theta_m [degrees]",
-              .y_label = "D cos theta_m [1/sr]",
+              .x_label = "\u03b8_m [degrees]",
+              .y_label = "D cos \u03b8_m [sr\u207b\u00b9]",
               .series = {}};
   header(context, {"tau0", "beta", "theta_m"});
   for (const double beta : {0.3, 0.8})
@@ -187,8 +188,9 @@ Json reproduce_micrograin_figure_5(ReproductionContext& context) {
         for (int b = 0; b < kBins; ++b) bins[b].values.push_back(all > 0 ? counts[b] / all : 0);
       });
       ChartSeries line{
-          .label = fmt::format("beta = {:g}, tau0 = {:g}", beta, tau0), .x = {}, .y = {}};
-      ChartSeries dots{.label = "simulated", .x = {}, .y = {}, .error = {}, .dots = true};
+          .label = fmt::format("\u03b2 = {:g}, \u03c4\u2080 = {:g}", beta, tau0), .x = {}, .y = {}};
+      ChartSeries dots{
+          .label = "", .x = {}, .y = {}, .error = {}, .dots = true, .same_color = true};
       for (int k = 0; k <= 89; ++k) {
         const double mu = std::cos(k * kPi / 180);
         line.x.push_back(k);
@@ -209,8 +211,7 @@ Json reproduce_micrograin_figure_5(ReproductionContext& context) {
       chart.series.push_back(std::move(dots));
     }
   closing(context, rows);
-  write_chart(context.folder + "/normals.png", chart);
-  context.pictures.push_back("normals.png");
+  context.write("normals", chart);
   return rows;
 }
 
@@ -218,8 +219,8 @@ Json reproduce_micrograin_figure_9(ReproductionContext& context) {
   Json rows = Json::array();
   Chart chart{.title = "Visible filling factor",
               .subtitle = "lines: eq. 22; dots: share of rays that meet grains, with errors",
-              .x_label = "theta [degrees]",
-              .y_label = "tau+",
+              .x_label = "\u03b8 [degrees]",
+              .y_label = "\u03c4\u207a",
               .series = {}};
   header(context, {"tau0", "beta", "theta"});
   const std::vector<double> angles{0, 15, 30, 45, 60, 70, 80, 85};
@@ -242,8 +243,9 @@ Json reproduce_micrograin_figure_9(ReproductionContext& context) {
         }
       });
       ChartSeries line{
-          .label = fmt::format("tau0 = {:g}, beta = {:g}", tau0, beta), .x = {}, .y = {}};
-      ChartSeries dots{.label = "simulated", .x = {}, .y = {}, .error = {}, .dots = true};
+          .label = fmt::format("\u03c4\u2080 = {:g}, \u03b2 = {:g}", tau0, beta), .x = {}, .y = {}};
+      ChartSeries dots{
+          .label = "", .x = {}, .y = {}, .error = {}, .dots = true, .same_color = true};
       for (int k = 0; k <= 89; ++k) {
         line.x.push_back(k);
         line.y.push_back(micrograin_tau_plus(std::cos(k * kPi / 180), tau0, beta));
@@ -261,8 +263,7 @@ Json reproduce_micrograin_figure_9(ReproductionContext& context) {
       chart.series.push_back(std::move(dots));
     }
   closing(context, rows);
-  write_chart(context.folder + "/filling_factor.png", chart);
-  context.pictures.push_back("filling_factor.png");
+  context.write("filling_factor", chart);
   return rows;
 }
 

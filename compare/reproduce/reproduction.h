@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/drawing/chart.h"
 #include "compare/request/interrupt.h"
 
 namespace lamella {
@@ -16,9 +17,13 @@ struct ReproductionContext {
   const StopFlag* stop;
   std::FILE* table;    ///< where the table goes; nullptr: nowhere
   std::string folder;  ///< where the pictures go
-  std::vector<std::string> pictures = {};
+  std::vector<PictureFormat> formats;
+  std::vector<std::string> pictures = {};  ///< names of the files written
   /// Walks (or rays) that are spent in all, about.
   std::uint64_t walks;
+
+  /// Writes NAME.png, NAME.svg, ... and adds them to `pictures`. Throws OutputError.
+  void write(const std::string& name, const Chart& chart);
 };
 
 /// A published figure that one command makes again from explicit geometry.

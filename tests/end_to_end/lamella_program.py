@@ -14,6 +14,9 @@ import jsonschema
 PROGRAM = os.environ["LAMELLA"]
 # Seconds for one command: of a run that hangs, in any build.
 LIMIT = float(os.environ.get("LAMELLA_TEST_TIMEOUT", 200))
+# What this build has of libraries that it can do without.
+WITH_CAIRO = os.environ["LAMELLA_CAIRO"] == "ON"
+WITH_CERES = os.environ["LAMELLA_CERES"] == "ON"
 SCHEMAS = pathlib.Path(os.environ["LAMELLA_SCHEMA"])
 
 # What may differ between equal runs.

@@ -1,6 +1,6 @@
 import math
 
-from lamella_program import ProgramTest
+from lamella_program import WITH_CAIRO, ProgramTest
 
 QUIET = ["--size", "32", "--quiet"]
 SMALL = ["--size", "16"]
@@ -17,7 +17,8 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         self.assertEqual(len(views), 4)
         for (scene, light), means in views.items():
             name = f"out/{scene}_{light}"
-            self.assertTrue((self.folder / f"{name}.png").read_bytes().startswith(b"\x89PNG"))
+            if WITH_CAIRO:
+                self.assertTrue((self.folder / f"{name}.png").read_bytes().startswith(b"\x89PNG"))
             channels = {c["name"]: c["mean"] for c in self.json_of("show", f"{name}.exr", "--quiet")["channels"]}
             for model in means:
                 self.assertIn(f"{model}.R", channels)
@@ -59,7 +60,7 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         alone = self.json_of("preview", "lambert_sphere_halfspace", "--model", "lambert_sphere", "--quiet")
         self.assertEqual(answer["previews"], alone["views"])
         for view in answer["previews"]:
-            for end in ("exr", "png"):
+            for end in ("exr", "png") if WITH_CAIRO else ("exr",):
                 self.assertTrue((self.folder / f"out/preview_{view['scene']}_{view['light']}.{end}").exists())
         self.assertEqual(self.json_of("compare", "lambert_sphere_halfspace", "--wi", "60", "--walks", "3000",
                                       "--quiet", "--model", "lambert_sphere", "-o", "none").get("previews"), None)

@@ -78,7 +78,12 @@ export const embedded = (page, id) => page.evaluate((i) => JSON.parse(document.g
 export const rowsOf = (page) => page.$$eval("#numbers tbody tr", (rows) => rows.map((row) => ({...row.dataset,
   fields: Object.fromEntries([...row.querySelectorAll("[data-field]")].map((c) => [c.dataset.field, c.dataset.value]))})));
 
+// Nothing reaches beyond the window, but for what scrolls inside of a container of its own.
 export async function fitsTheWidth(page) {
-  const [content, window] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  const [content, window, beyond] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth,
+    [...document.body.querySelectorAll("*")].filter((e) => !e.closest(".scroll") && !e.closest("svg, script, details:not([open])")
+      && e.getBoundingClientRect().right > innerWidth + .5).map((e) => `${e.tagName}.${e.className}: ${e.textContent.slice(0, 40)}`)]);
   assert.ok(content <= window, `the page is ${content} wide in a window of ${window}`);
+  assert.deepEqual(beyond, []);
+  for (const table of await page.$$("table")) assert.ok(await table.evaluate((t) => t.closest(".scroll") !== null), "a table scrolls by itself");
 }

@@ -22,7 +22,7 @@ foreach(room phase volume analytic compare)
   endforeach()
 endforeach()
 # Libraries that one file alone may include.
-foreach(library embree openvdb)
+foreach(library embree openvdb cairo)
   file(GLOB_RECURSE files ${SOURCE}/phase/*.h ${SOURCE}/phase/*.cpp ${SOURCE}/volume/*.h ${SOURCE}/volume/*.cpp ${SOURCE}/analytic/*.h ${SOURCE}/analytic/*.cpp ${SOURCE}/compare/*.h ${SOURCE}/compare/*.cpp)
   set(users "")
   foreach(file ${files})

@@ -84,6 +84,41 @@ TEST(Benchmark, TextbookCellsHoldWhatIsReflected) {
   }
 }
 
+TEST(Benchmark, TextbookLoopsSetUpTheirMediumOnceHoweverOftenTheyAdvance) {
+  const std::vector<Direction> points = benchmark_points(4);
+  for (const BenchmarkStack& which : benchmark_media())
+    for (const TextbookTally tally :
+         {TextbookTally::none, TextbookTally::cells, TextbookTally::points}) {
+      const std::uint64_t before = textbook_media_made();
+      TextbookWalk pieces(which.textbook, benchmark_incident(), tally, points, 2);
+      for (int k = 0; k < 64; ++k) pieces.advance(16);
+      EXPECT_EQ(textbook_media_made(), before + 1) << which.name;
+      TextbookWalk whole(which.textbook, benchmark_incident(), tally, points, 2);
+      whole.advance(1024);
+      EXPECT_EQ(pieces.result().collisions, whole.result().collisions) << which.name;
+      EXPECT_EQ(pieces.result().reflected, whole.result().reflected) << which.name;
+      EXPECT_EQ(pieces.result().f, whole.result().f) << which.name;
+    }
+}
+
+// A row's medium is set up once, before the clock runs, and its ratio is that of the rates at which
+// the two programs collide: nothing else is in it.
+TEST(Benchmark, QuickWalkRowsTimeCollisionsInTheBaselineAsInTheEngine) {
+  const std::uint64_t before = textbook_media_made();
+  std::size_t count = 0;
+  measure_walks(BenchmarkEffort::quick(), 1, [&](const BenchmarkRow& row) {
+    ++count;
+    const double rate = row.extra.at("baseline_collisions_per_second").get<double>();
+    EXPECT_GT(row.extra.at("baseline_collisions").get<double>(), 0) << row.what;
+    // Up to the spread of the few repetitions.
+    EXPECT_GT(*row.ratio_to_baseline * rate, 0.25 * *row.collisions_per_second_per_core)
+        << row.what;
+    EXPECT_LT(*row.ratio_to_baseline * rate, 4 * *row.collisions_per_second_per_core) << row.what;
+  });
+  EXPECT_GT(count, 0U);
+  EXPECT_EQ(textbook_media_made() - before, count) << "one medium per row, set up before its clock";
+}
+
 TEST(Benchmark, TextbookModelsHaveTheModelsValues) {
   for (const char* name : {"fon", "eon", "eon_approx", "lambert_sphere", "vmf_diffuse"})
     for (const double r : {0.02, 0.2, 0.5, 1.0}) {

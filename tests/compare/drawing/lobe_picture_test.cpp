@@ -1,13 +1,13 @@
 #include "compare/drawing/lobe_picture.h"
 
-#include <gd.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "compare/drawing/color_map.h"
+#include "compare/files/output_folder.h"
+#include "tests/compare/drawing/decoded_png.h"
 #include "tests/compare/files/temporary_folder.h"
 
 namespace lamella {
@@ -16,25 +16,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPanel = PictureLayout::kPanel;
 constexpr Color kWhite{255, 255, 255};
-
-class Decoded {
- public:
-  explicit Decoded(std::string png)
-      : image_(gdImageCreateFromPngPtr(static_cast<int>(png.size()), png.data()), gdImageDestroy) {
-    if (!image_) throw std::runtime_error("no PNG");
-  }
-  [[nodiscard]] int width() const { return gdImageSX(image_.get()); }
-  [[nodiscard]] int height() const { return gdImageSY(image_.get()); }
-  [[nodiscard]] Color at(int x, int y) const {
-    const int c = gdImageGetTrueColorPixel(image_.get(), x, y);
-    return {static_cast<std::uint8_t>(gdTrueColorGetRed(c)),
-            static_cast<std::uint8_t>(gdTrueColorGetGreen(c)),
-            static_cast<std::uint8_t>(gdTrueColorGetBlue(c))};
-  }
-
- private:
-  std::unique_ptr<gdImage, void (*)(gdImagePtr)> image_;
-};
 
 /// 4 x 8 cells; truth rises from 0 to 1 with the cell's index.
 LobePicture example(bool folded) {
@@ -75,10 +56,12 @@ TEST(Picture, IsAPngOfTheSizeThatItsLayoutSays) {
   EXPECT_EQ(image.at(layout.width - 1, layout.height - 1), kWhite);
 }
 
-TEST(Picture, OfEqualInputIsEqualByteForByte) {
-  const TemporaryFolder folder;
-  write_picture(folder / "a.png", example(false));
-  EXPECT_EQ(bytes_of(folder / "a.png"), draw_lobe(example(false)));
+TEST(Picture, OfEqualInputIsEqualByteForByteInEveryFormat) {
+  for (const PictureFormat format : picture_formats(picture_format_names())) {
+    const std::string bytes = draw_lobe(example(false), format);
+    EXPECT_EQ(bytes, draw_lobe(example(false), format)) << to_text(format);
+    EXPECT_NE(bytes, draw_lobe(example(true), format)) << to_text(format);
+  }
 }
 
 TEST(Picture, ShowsEveryCellOfTheDiscInItsColour) {
@@ -129,6 +112,26 @@ TEST(Picture, SaturatesZBeyondFour) {
   EXPECT_EQ(color(2), diverging_color(1));
   EXPECT_EQ(color(3), diverging_color(0.5));
   EXPECT_EQ(color(4), diverging_color(0));
+}
+
+TEST(Picture, OfABoundedTruthShowsTheErrorOverItsBoundOnALogarithmicScale) {
+  LobePicture picture = example(false);
+  picture.bounded = true;
+  // From a tenth of the bound to a million times it: seven decades.
+  const double ratios[] = {0.1, 1, -10, 1e3, -1e6, 0, kNan};
+  for (std::size_t k = 0; k < picture.z.size(); ++k) picture.z[k] = 0.01;
+  for (int k = 0; k < 7; ++k) picture.z[k] = ratios[k];
+  const Decoded image(draw_lobe(picture));
+  const int y = layout_of(picture).rectangle_top + 20;
+  const auto color = [&](int column) {
+    return image.at(PictureLayout::panel_left(3) + column * 32 + 16, y);
+  };
+  const double places[] = {0, 1.0 / 7, 2.0 / 7, 4.0 / 7, 1, 0};
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(color(k), viridis(places[k])) << k;
+  EXPECT_EQ(color(7), viridis(0));
+  // What is far apart is told apart.
+  EXPECT_NE(color(2), color(3));
+  EXPECT_NE(color(3), color(4));
 }
 
 TEST(Picture, DrawsALogarithmicScaleWhenAsked) {
@@ -215,9 +218,11 @@ TEST(Picture, RefusesMapsThatDoNotFitTheGridAndNoMapAtAll) {
 
 TEST(Picture, InAnUnwritablePlaceIsAnErrorThatNamesIt) {
   const TemporaryFolder folder;
-  EXPECT_THAT(
-      message_of<OutputError>([&] { write_picture(folder / "none/a.png", example(false)); }),
-      testing::HasSubstr((folder / "none/a.png").string()));
+  const auto draw = [](PictureFormat format) { return draw_lobe(example(false), format); };
+  EXPECT_THAT(message_of<OutputError>([&] {
+                (void)write_pictures((folder / "none/a").string(), {PictureFormat::png}, draw);
+              }),
+              testing::HasSubstr((folder / "none/a.png").string()));
 }
 
 }  // namespace

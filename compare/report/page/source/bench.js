@@ -1,5 +1,5 @@
 // The page of `lamella bench`: speed against error.
-import {element, choice, figure, scrolling} from "./dom.js";
+import {breakable, element, choice, figure, scrolling} from "./dom.js";
 import {axis, chart, legend, modelColor, modelDash, modelSymbol, tooltip} from "./charts.js";
 import {percent, short} from "./numbers.js";
 import {heading} from "./heading.js";
@@ -14,33 +14,40 @@ export function paretoFront(points) {
   return front;
 }
 
+// Closed forms that were timed by themselves: each has its error on a stack of its own, so that none is on a front.
+const everyForm = "closed forms, each on a stack that it claims";
+const closedForms = (rows) => rows.filter((r) => r.error_on && r.ns_per_eval > 0 && r.error > 0).map((r) =>
+  ({...r, stack: everyForm, method: r.what.replace(/^eval(_batch)?\//, ""), batched: r.what.startsWith("eval_batch/")}));
+
 export function bench(page, answer) {
-  const points = answer.rows.filter((r) => r.stack && r.ns_per_eval > 0 && r.error > 0);
+  const points = [...answer.rows.filter((r) => r.stack && r.ns_per_eval > 0 && r.error > 0), ...closedForms(answer.rows)];
   const stacks = [...new Set(points.map((r) => r.stack))];
   const state = {stack: stacks[0], rows: "all"};
   const plot = element("div", {class: "chart map"}), key = element("div");
   const controls = element("section", {class: "controls", "aria-label": "What is shown"});
   const plotFigure = figure("Speed against error", "", [plot, key]);
-  const front = element("div"), table = element("div");
+  const front = element("div"), frontHead = element("h2", {}, "The front"), table = element("div");
   page.append(heading(answer, "Speed against error", [answer.quick ? "quick: noisy" : "", `${answer.threads} threads`,
     answer.interrupted ? "interrupted: what was done until then" : ""]));
   if (stacks.length) page.append(controls, plotFigure, element("p", {class: "quiet"}, "Lower left is better. Cost: nanoseconds " +
     "of one core per value of the BSDF; for estimators, the time of the run over the cells it fills. Error: relative RMSE of " +
     "the reflected lobe of all orders at θ_i = 60°: for closed forms without the truth's noise, for walks the standard error, for the " +
     "deterministic solver its bound (an arrow points down: the error is no larger). Bars: 95 % of the error, and the spread of the timing. " +
-    "The line joins what nothing beats in both."),
-    element("h2", {}, "The front"), front);
+    "The line joins what nothing beats in both. Closed forms that were timed by themselves, in single calls and in batches, have their errors " +
+    "on different stacks: they are compared in cost alone."),
+    frontHead, front);
   page.append(element("h2", {}, "All rows"), element("p", {class: "quiet"},
     "Ratio: above 1 is faster than the baseline of the same run."), table);
 
   function show() {
-    const shown = points.filter((r) => r.stack === state.stack), best = paretoFront(shown);
+    const shown = points.filter((r) => r.stack === state.stack), forms = state.stack === everyForm, best = forms ? [] : paretoFront(shown);
+    frontHead.textContent = forms ? "The closed forms" : "The front";
     const methods = [...new Set(shown.map((r) => r.method))];
     plotFigure.querySelector("figcaption .quiet")?.remove();
     plotFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, state.stack));
     const lines = (m) => shown.filter((r) => r.method === m).length > 1;
     key.replaceChildren(legend([...methods.map((m, k) => ({name: m, model: k, lineless: !lines(m)})),
-      {name: "Pareto front", color: "currentColor", symbol: "none"}]));
+      ...(forms ? [] : [{name: "Pareto front", color: "currentColor", symbol: "none"}])]));
     const decades = (values) => [10 ** Math.floor(Math.log10(Math.min(...values)) - 1e-9), 10 ** Math.ceil(Math.log10(Math.max(...values)) + 1e-9)];
     const [left, right] = decades(shown.flatMap((r) => [r.ns_low ?? r.ns_per_eval, r.ns_high ?? r.ns_per_eval]).filter((v) => v > 0));
     const [bottom, top] = decades(shown.flatMap((r) => [r.error, r.error_high ?? r.error]).filter((v) => v > 0));
@@ -50,7 +57,8 @@ export function bench(page, answer) {
         height - 50 - (height - 74) * share(r.error, bottom, top)]), width); return ({
       grid: {left: 66, right: 28, top: 24, bottom: 50},
       tooltip: tooltip(p, {trigger: "item", formatter: ({data, seriesName}) => data?.row
-        ? `${data.row.method}<br>${short(data.row.ns_per_eval)} ns per value<br>error ${data.row.bound ? "at most " : ""}${percent(data.row.error)}` : seriesName}),
+        ? `${data.row.method}<br>${short(data.row.ns_per_eval)} ns per value<br>error ${data.row.bound ? "at most " : ""}${percent(data.row.error)}` +
+          (forms ? ` on ${data.row.error_on}<br>${data.row.batched ? `${data.row.batch} values at a time` : "one value at a time"}` : "") : seriesName}),
       xAxis: axis(p, "cost [ns per value]", {type: "log", min: left, max: right, axisLabel: {color: p.quiet, formatter: power, hideOverlap: true}}),
       yAxis: axis(p, "relative error", {type: "log", min: bottom, max: top, nameGap: 48, axisLabel: {color: p.quiet, formatter: power}}),
       series: [
@@ -68,11 +76,20 @@ export function bench(page, answer) {
               labelLayout: layout}];
         })],
     }); });
-    front.replaceChildren(scrolling("The Pareto front", element("table", {id: "front"}, element("thead", {}, element("tr", {},
+    front.replaceChildren(forms ? formTable(shown) : scrolling("The Pareto front", element("table", {id: "front"}, element("thead", {}, element("tr", {},
       ["Method", "ns per value", "Error"].map((h, k) => element("th", {class: k ? null : "text", scope: "col"}, h)))),
-      element("tbody", {}, best.map((r) => element("tr", {}, element("td", {class: "text"}, r.method + (r.walks ? `, ${r.walks.toLocaleString("en")} walks` : "") +
+      element("tbody", {}, best.map((r) => element("tr", {}, element("td", {class: "text name"}, breakable(r.method), (r.walks ? `, ${r.walks.toLocaleString("en")} walks` : "") +
         (r.tolerance ? `, tolerance ${short(r.tolerance)}` : "")),
         element("td", {}, short(r.ns_per_eval)), element("td", {}, percent(r.error))))))));
+  }
+  // One row per model: single calls, and batches on lanes.
+  function formTable(shown) {
+    const of = (m, batched) => shown.find((r) => r.method === m && r.batched === batched);
+    return scrolling("The closed forms", element("table", {id: "front"}, element("thead", {}, element("tr", {},
+      ["Model", "ns per value", "in batches", "Error", "on the stack"].map((h, k) => element("th", {class: k % 4 ? null : "text", scope: "col"}, h)))),
+      element("tbody", {}, [...new Set(shown.map((r) => r.method))].map((m) => element("tr", {}, element("td", {class: "text name"}, breakable(m)),
+        [of(m, false), of(m, true)].map((r) => element("td", {}, short(r?.ns_per_eval))),
+        element("td", {}, percent((of(m, false) ?? of(m, true)).error)), element("td", {class: "text name"}, breakable((of(m, false) ?? of(m, true)).error_on)))))));
   }
   const share = (v, low, high) => Math.log(v / low) / Math.log(high / low);
   // Labels beside their points, moved up or down from other labels and points, to the left at the right edge.
@@ -116,7 +133,7 @@ export function bench(page, answer) {
     const number = (row, field, shown) => element("td", {"data-field": field, "data-value": row[field] ?? ""}, shown ?? short(row[field]));
     table.replaceChildren(scrolling("All rows", element("table", {id: "numbers"},
       element("thead", {}, element("tr", {}, head.map((h, k) => element("th", {scope: "col", class: text.has(k) ? "text" : null}, h)))),
-      element("tbody", {}, rows.map((r) => element("tr", {"data-row": answer.rows.indexOf(r)}, element("td", {class: "text"}, r.what),
+      element("tbody", {}, rows.map((r) => element("tr", {"data-row": answer.rows.indexOf(r)}, element("td", {class: "text name"}, breakable(r.what)),
         element("td", {class: "text"}, kinds[r.kind] ?? r.kind), number(r, "seconds"), number(r, "collisions_per_second_per_core"),
         number(r, "ns_per_eval"), number(r, "error", r.error === null ? "–" : percent(r.error)),
         number(r, "ratio_to_baseline"), element("td", {class: "text wrap", title: Object.entries(r).filter(([k]) => !known.has(k)).map(([k, v]) => `${k} ${v}`).join(", ")},

@@ -5,7 +5,7 @@ import {GridComponent, PolarComponent, TooltipComponent, VisualMapContinuousComp
 import {init, use} from "echarts/core";
 import {LabelLayout} from "echarts/features";
 import {SVGRenderer} from "echarts/renderers";
-import {element} from "./dom.js";
+import {breakable, element} from "./dom.js";
 
 use([CustomChart, HeatmapChart, LineChart, ScatterChart, BarChart, GridComponent,
   PolarComponent, TooltipComponent, VisualMapContinuousComponent, MarkLineComponent, AriaComponent,
@@ -93,7 +93,7 @@ export function legend(entries) {
     const sign = e.band ? element("rect", {x: 2, y: 1, width: 28, height: 10, fill: p.band, stroke: p.edge})
       : element("g", {}, e.lineless ? [] : element("line", {x1: 1, y1: 6, x2: 31, y2: 6, stroke: color, "stroke-width": 2.4,
         "stroke-dasharray": dash}), symbolPath(e.truth ? "circle" : e.symbol ?? modelSymbol(e.model), color));
-    return element("li", {}, element("svg", {width: 32, height: 12, viewBox: "0 0 32 12", "aria-hidden": "true"}, sign), e.name);
+    return element("li", {}, element("svg", {width: 32, height: 12, viewBox: "0 0 32 12", "aria-hidden": "true"}, sign), element("span", {}, breakable(e.name)));
   }));
   draw();
   onScheme(() => { if (node.isConnected) draw(); });

@@ -1,12 +1,22 @@
-import {interpolateRdBu, interpolateViridis} from "d3-scale-chromatic";
+// The same colours as in the program's pictures: the 256 entries of viridis; ColorBrewer's RdBu with 11 classes, linear
+// in between (compare/drawing/color_map.h).
+import {interpolateViridis, schemeRdBu} from "d3-scale-chromatic";
 
 const parts = (color) => {
   const hex = /^#(..)(..)(..)$/.exec(color);
   return hex ? hex.slice(1).map((h) => parseInt(h, 16)) : color.match(/[\d.]+/g).slice(0, 3).map(Number);
 };
-const table = (f) => Array.from({length: 512}, (_, k) => parts(f(k / 511)));
-const viridis = table(interpolateViridis), diverging = table((t) => interpolateRdBu(1 - t));
-const pick = (colors, t) => colors[Math.max(0, Math.min(511, Math.round(t * 511)))];
+const viridis = Array.from({length: 256}, (_, k) => parts(interpolateViridis(k / 255)));
+const blueRed = schemeRdBu[11].map(parts).reverse();
+const unit = (t) => Math.max(0, Math.min(1, t));
+
+// t in [0, 1].
+export const viridisAt = (t) => viridis[Math.min(255, Math.floor(256 * unit(t)))];
+// t in [0, 1], neutral at 1/2.
+export function divergingAt(t) {
+  const x = 10 * unit(t), i = Math.min(9, Math.floor(x));
+  return blueRed[i].map((a, c) => Math.round(a + (x - i) * (blueRed[i + 1][c] - a)));
+}
 
 const roundUp = (x) => {
   if (!(x > 0)) return 1;
@@ -24,11 +34,19 @@ export function magnitudeScale(maps, logarithmic) {
   }
   high = roundUp(high);
   if (!logarithmic || !(least < high)) {
-    return {ticks: [0, high / 2, high], color: (v) => pick(viridis, v / high), at: (t) => pick(viridis, t)};
+    return {ticks: [0, high / 2, high], color: (v) => viridisAt(v / high), at: viridisAt};
   }
   const top = Math.ceil(Math.log10(high) - 1e-9), bottom = Math.max(Math.floor(Math.log10(least)), top - 6);
-  return {ticks: [10 ** bottom, 10 ** ((top + bottom) / 2), 10 ** top], at: (t) => pick(viridis, t),
-    color: (v) => pick(viridis, v > 0 ? (Math.log10(v) - bottom) / (top - bottom) : 0)};
+  return decades(bottom, top);
+}
+
+const decades = (bottom, top) => ({ticks: [10 ** bottom, 10 ** ((top + bottom) / 2), 10 ** top], at: viridisAt,
+  color: (v) => viridisAt(v > 0 ? (Math.log10(v) - bottom) / (top - bottom) : 0)});
+
+// Logarithmic, for errors over their bounds: whole decades, from 0.1 to at least the largest and to 10.
+export function ratioScale(map) {
+  const most = map.reduce((m, v) => Number.isFinite(v) ? Math.max(m, v) : m, 10);
+  return decades(-1, Math.ceil(Math.log10(most) - 1e-9));
 }
 
 // Symmetric about 0.
@@ -36,9 +54,9 @@ export function signedScale(map, limit) {
   let most = 0;
   if (limit === undefined) for (const v of map) if (Number.isFinite(v)) most = Math.max(most, Math.abs(v));
   const end = limit ?? roundUp(most);
-  return {ticks: [-end, 0, end], at: (t) => pick(diverging, t), color: (v) => pick(diverging, .5 + v / end / 2)};
+  return {ticks: [-end, 0, end], at: divergingAt, color: (v) => divergingAt(.5 + v / end / 2)};
 }
 
-export function sequential(t) { return `rgb(${pick(viridis, t).join(",")})`; }
+export function sequential(t) { return `rgb(${viridisAt(t).join(",")})`; }
 export const viridisStops = Array.from({length: 11}, (_, k) => sequential(k / 10));
-export const divergingStops = Array.from({length: 11}, (_, k) => `rgb(${pick(diverging, k / 10).join(",")})`);
+export const divergingStops = Array.from({length: 11}, (_, k) => `rgb(${divergingAt(k / 10).join(",")})`);

@@ -1,9 +1,9 @@
 // The page of `lamella compare`: truth against closed forms, lobe by lobe.
-import {element, choice, figure, scrolling} from "./dom.js";
+import {breakable, element, choice, figure, scrolling} from "./dom.js";
 import {axis, band, chart, errorBars, legend, modelColor, modelDash, modelSymbol, tooltip} from "./charts.js";
-import {magnitudeScale, signedScale} from "./colors.js";
+import {magnitudeScale, ratioScale, signedScale} from "./colors.js";
 import {cellAt, Disc} from "./disc.js";
-import {degrees, floats, percent, short, thetaOf} from "./numbers.js";
+import {degrees, floats, luminance, luminanceName, percent, short, thetaOf} from "./numbers.js";
 import {heading} from "./heading.js";
 import {previews} from "./previews.js";
 import {stackDrawing} from "./stack.js";
@@ -12,7 +12,6 @@ const orders = ["1", "2", "3", "4+", "all"];
 const orderText = (o) => o === "all" ? "all orders" : `order ${o}`;
 const sideText = {reflect: "reflected", transmit: "transmitted"};
 const ledgerSide = {reflect: "reflected", transmit: "transmitted"};
-const luminance = [0.2126, 0.7152, 0.0722];
 const marks = {agrees: "✓", differs: "✗", insufficient: "?"};
 
 export function verdictText(lobe) {
@@ -54,7 +53,7 @@ export function compare(page, answer, details) {
       const all = floats(text);
       const c = {Y: 0, R: 0, G: 1, B: 2}[state.channel];
       cache.set(key, c === undefined ? Float64Array.from({length: cells}, (_, k) =>
-        luminance[0] * all[k] + luminance[1] * all[cells + k] + luminance[2] * all[2 * cells + k])
+        luminance([all[k], all[cells + k], all[2 * cells + k]]))
         : all.subarray(c * cells, (c + 1) * cells));
       if (cache.size > 400) cache.delete(cache.keys().next().value);
     }
@@ -63,8 +62,8 @@ export function compare(page, answer, details) {
   const key = () => `${state.run}/${state.side}/${state.order}`;
   const truthMap = () => map(details.truth[key()]?.f), errorMap = () => map(details.truth[key()]?.se);
   const modelMap = (m) => map(details.models[m]?.[key()]);
-  const ofChannel = (list) => list.length === 1 ? list[0] : state.channel === "luminance"
-    ? luminance.reduce((sum, w, c) => sum + w * list[c], 0) : list["RGB".indexOf(state.channel)];
+  const ofChannel = (list) => list.length === 1 || state.channel === "luminance" ? luminance(list) : list["RGB".indexOf(state.channel)];
+  const channelText = () => channels === 1 ? "" : `, ${state.channel === "luminance" ? luminanceName : state.channel}`;
 
   // The cells on both sides of a direction phi, [column, ...].
   function columnsAt(phi) {
@@ -111,9 +110,9 @@ export function compare(page, answer, details) {
     reading.textContent = `θ_o ${edge(row)}–${edge(row + 1)}°, φ ${grid.folded ? "±" : ""}(${column * step}–` +
       `${(column + 1) * step})°: truth ${short(truth[cell])} ± ${short(se[cell], 2)}` +
       (model ? `, ${names[state.model]} ${short(model[cell])}, difference ${short(model[cell] - truth[cell])}` +
-        (se[cell] > 0 ? `, z ${short((model[cell] - truth[cell]) / se[cell])}` : "") : "") + " sr⁻¹";
+        (se[cell] > 0 ? `, ${bound ? "over its bound" : "z"} ${short((model[cell] - truth[cell]) / se[cell])}` : "") : "") + " sr⁻¹";
   };
-  const discs = [new Disc("Truth", read), new Disc("Model", read), new Disc("Signed error", read), new Disc("z", read)];
+  const discs = [new Disc("Truth", read), new Disc("Model", read), new Disc("Signed error", read), new Disc(bound ? "Error over bound" : "z", read)];
   const matrices = element("div", {class: "models"}), table = element("div");
   const drawing = element("div", {class: "stack panel"});
 
@@ -135,7 +134,7 @@ export function compare(page, answer, details) {
       "the rim, radius sin θ_o, φ = 0 (the side of the light) on the right. The ring marks w_i; with a cross, the " +
       "straight-through direction −w_i. f in sr⁻¹ without the cosine, mean over each cell."),
     element("h2", {}, "Albedo"), albedoFigure,
-    ...previews(answer.previews, details.previews), ...sideBySide(answer.side_by_side),
+    ...previews(answer.previews, details.previews), ...sideBySide(answer.side_by_side, channels),
     element("h2", {}, "All numbers"), element("p", {class: "quiet"}, bound
       ? "z verdict: whether every cell is within the truth's bound; p is then 1 or 0."
       : "z verdict: whether the differences in units of their standard errors could be chance, p the probability of larger ones; 1 % chance of any false ✗ in a page of true models."), table);
@@ -149,7 +148,7 @@ export function compare(page, answer, details) {
       choice("order", "Scattering order", orders.map((o) => ({value: o, label: o})), state.order, choose("order")),
     ];
     if (channels === 3) list.push(choice("channel", "Channel", ["luminance", "R", "G", "B"].map((c) =>
-      ({value: c, label: c})), state.channel, choose("channel")));
+      ({value: c, label: c === "luminance" ? luminanceName : c})), state.channel, choose("channel")));
     if (names.length) list.push(choice("model", "Model in maps", names.map((n, k) => ({value: k, label: n})),
       state.model, choose("model")));
     list.push(choice("plane", "Plane of the plots", [0, 45, 90, 135].filter((p) => !(grid.folded && p === 135)).map((p) => ({value: p, label: `φ ${p}°`})), state.plane,
@@ -245,14 +244,17 @@ export function compare(page, answer, details) {
       note: model ? "f [sr⁻¹]" : none, label: `Map of ${name}, at most ${short(most(model))}`});
     discs[2].show({...blank, values: difference, scale: signedScale(difference ?? []), note: "model − truth [sr⁻¹]",
       label: `Map of the signed error, at most ${short(most(difference))}`});
-    const beyond = z ? z.filter((v) => Math.abs(v) > 4).length : 0;
-    discs[3].show({...blank, values: z, scale: signedScale([], 4),
-      note: z ? `error / ${errorName}; ${beyond} of ${cells} cells beyond ±4` : "",
-      label: `Map of z, at most ${short(most(z))}`});
+    // Errors are many times the solver's bounds, or far below them: decades show how many.
+    const ratio = bound && z ? z.map(Math.abs) : z, end = bound ? 1 : 4;
+    const beyond = ratio ? ratio.filter((v) => Math.abs(v) > end).length : 0;
+    discs[3].show({...blank, values: ratio, scale: bound ? ratioScale(ratio ?? []) : signedScale([], end),
+      note: !z ? "" : bound ? `|error| / ${errorName}, logarithmic; ${beyond} of ${cells} cells beyond 1`
+        : `error / ${errorName}; ${beyond} of ${cells} cells beyond ±${end}`,
+      label: bound ? `Map of the error over its bound, at most ${short(most(z))}` : `Map of z, at most ${short(most(z))}`});
   }
 
   function showAlbedo() {
-    const text = `share of the light ${sideText[state.side]}, ${orderText(state.order)}`;
+    const text = `share of the light ${sideText[state.side]}, ${orderText(state.order)}${channelText()}`;
     albedoFigure.querySelector("figcaption .quiet")?.remove();
     albedoFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, text));
     const energy = (r) => {
@@ -291,7 +293,7 @@ export function compare(page, answer, details) {
             const chosen = m === state.model && k === state.run && side === state.side && order === state.order;
             return element("td", {}, element("button", {class: `mark ${lobe.verdict}`, type: "button",
               "aria-pressed": String(chosen), title: `${names[m]}, θ_i ${degrees(r.theta_i)}, ${side} ${order}: ` +
-                `${verdictText(lobe)}; energy ${short(ofChannel(lobe.energy_model), 4)}, truth ${short(ofChannel(lobe.energy_truth), 4)}; maximum ${short(lobe.max_error)} sr⁻¹`, onclick: () => {
+                `${verdictText(lobe)}; energy${channelText()} ${short(ofChannel(lobe.energy_model), 4)}, truth ${short(ofChannel(lobe.energy_truth), 4)}; maximum ${short(lobe.max_error)} sr⁻¹`, onclick: () => {
                 Object.assign(state, {model: m, run: k, side, order});
                 show("cell");
               }}, shortVerdict(lobe)));
@@ -303,21 +305,21 @@ export function compare(page, answer, details) {
       element("thead", {}, element("tr", {}, element("td", {}, "θ_i"), runs.map((r) =>
         element("th", {scope: "col"}, degrees(r.theta_i) + (r.phi_i ? `, ${degrees(r.phi_i)}` : ""))))),
       answer.models.map((model, m) => element("tbody", {class: "model", "data-model": names[m]},
-        element("tr", {}, element("th", {class: "name", scope: "rowgroup", colspan: runs.length + 1}, element("strong", {}, names[m]),
-          element("span", {class: "quiet"}, [model.ns_per_eval ? `${short(model.ns_per_eval)} ns per evaluation` : "", ...told(m)].filter(Boolean).join(", ")))),
+        element("tr", {}, element("th", {class: "name", scope: "rowgroup", colspan: runs.length + 1}, element("strong", {}, breakable(names[m])),
+          element("span", {class: "quiet"}, breakable([model.ns_per_eval ? `${short(model.ns_per_eval)} ns per evaluation` : "", ...told(m)].filter(Boolean).join(", "))))),
         rowsOf(model, m)))))
       : element("p", {}, "No closed form applies to this stack: name one with --model."));
   }
 
   function showTable() {
-    const head = ["Model", "θ_i", "Side", "Order", "z verdict", "Energy, truth", "±", "Energy, model", "Rel. RMSE",
+    const head = ["Model", "θ_i", "Side", "Order", "z verdict", `Energy, truth${channelText()}`, "±", `Energy, model${channelText()}`, "Rel. RMSE",
       "Without noise", "Maximum", "p", "ns / eval"];
     const text = new Set([0, 2, 3, 4]);
     const rows = answer.models.flatMap((model, m) => model.lobes.map((l, k) => {
       const chosen = m === state.model && l === lobeOf(m);
       const number = (field, value, shown) => element("td", {"data-field": field, "data-value": value}, shown);
       return element("tr", {class: chosen ? "chosen" : null, "data-model": m, "data-lobe": k},
-        element("td", {class: "text"}, names[m]),
+        element("td", {class: "text name"}, breakable(names[m])),
         number("mu_i", l.mu_i, degrees(thetaOf(l.mu_i))),
         element("td", {class: "text"}, sideText[l.side]), element("td", {class: "text"}, l.order),
         element("td", {class: "text"}, element("span", {class: `mark ${l.verdict}`}, verdictText(l))),
@@ -351,12 +353,12 @@ export function compare(page, answer, details) {
 }
 
 // Explicit geometry against the media that stand for it, and those against their closed forms.
-function sideBySide(rows) {
+function sideBySide(rows, channels) {
   if (!rows?.length) return [];
   const head = ["θ_i", "Order", "Medium", "Energy, geometry", "Energy, medium", "Medium off by", "Closed form", "Energy, model", "off the medium by", "off the geometry by"];
-  return [element("h2", {}, "Geometry, medium, closed form"), scrolling("Geometry, medium, closed form", element("table", {}, element("thead", {}, element("tr", {},
-    head.map((h) => element("th", {scope: "col"}, h)))), element("tbody", {}, rows.map((r) => element("tr", {}, [degrees(thetaOf(r.mu_i)), r.order, r.medium,
-      r.energy_geometry.toFixed(5), r.energy_medium.toFixed(5), percent(r.relative_rmse_of_medium), r.model ?? "–", r.model ? r.energy_model.toFixed(5) : "–",
+  return [element("h2", {}, "Geometry, medium, closed form"), channels === 1 ? "" : element("p", {class: "quiet"}, `Energies: ${luminanceName}.`), scrolling("Geometry, medium, closed form", element("table", {}, element("thead", {}, element("tr", {},
+    head.map((h) => element("th", {scope: "col"}, h)))), element("tbody", {}, rows.map((r) => element("tr", {}, [degrees(thetaOf(r.mu_i)), r.order, breakable(r.medium),
+      r.energy_geometry.toFixed(5), r.energy_medium.toFixed(5), percent(r.relative_rmse_of_medium), breakable(r.model ?? "–"), r.model ? r.energy_model.toFixed(5) : "–",
       percent(r.relative_rmse_of_model), percent(r.relative_rmse_of_both)].map((t) => element("td", {}, t)))))))];
 }
 

@@ -1,6 +1,6 @@
 // A hemisphere seen along z as a disc of radius sin theta_o: equal cells have equal areas. phi = 0,
 // the side of the light, is on the right, and phi runs counter-clockwise.
-import {element} from "./dom.js";
+import {breakable, element} from "./dom.js";
 import {short} from "./numbers.js";
 import {onScheme, palette} from "./charts.js";
 
@@ -42,7 +42,7 @@ export class Disc {
   draw() {
     if (!this.state) return;
     const {grid, values, scale, light, label, note, title} = this.state;
-    this.caption.textContent = title ?? this.title;
+    this.caption.replaceChildren(...breakable(title ?? this.title));
     this.note.textContent = note ?? "";
     const size = this.size();
     if (this.canvas.width !== size) this.canvas.width = this.canvas.height = size;

@@ -14,13 +14,16 @@ export function element(tag, attributes = {}, ...children) {
   return node;
 }
 
+// A text that may be broken after its underscores, slashes and equals signs: names of models, stacks and parameters.
+export const breakable = (text) => String(text).split(/([_/=])/).flatMap((part, k) => k % 2 ? [part, element("wbr")] : [part]);
+
 // A group of radio buttons that looks like a row of keys. `options`: {value, label, disabled}.
 export function choice(name, legend, options, chosen, onChoice) {
   return element("fieldset", {"data-switch": name}, element("legend", {}, legend),
     element("div", {class: "options"}, options.map((o) =>
       element("label", {}, element("input", {type: "radio", name, value: o.value,
         checked: String(o.value) === String(chosen), disabled: o.disabled,
-        onchange: () => onChoice(o.value)}), element("span", {}, o.label)))));
+        onchange: () => onChoice(o.value)}), element("span", {}, breakable(o.label))))));
 }
 
 // A table that scrolls by itself where it is too wide, by keyboard too.
@@ -29,6 +32,6 @@ export function scrolling(label, table) {
 }
 
 export function figure(caption, note, content, extra = {}) {
-  return element("figure", {class: "panel", ...extra}, element("figcaption", {}, caption, " ",
+  return element("figure", {class: "panel", ...extra}, element("figcaption", {}, breakable(caption), " ",
     note ? element("span", {class: "quiet"}, note) : null), ...[content].flat());
 }

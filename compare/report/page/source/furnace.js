@@ -1,5 +1,5 @@
 // The page of `lamella furnace`: the energy that leaves, per incident direction.
-import {element, choice, figure, scrolling} from "./dom.js";
+import {breakable, element, choice, figure, scrolling} from "./dom.js";
 import {axis, chart, errorBars, legend, modelColor, modelDash, modelSymbol, tooltip} from "./charts.js";
 import {degrees, short, thetaOf} from "./numbers.js";
 import {heading} from "./heading.js";
@@ -85,7 +85,7 @@ export function furnace(page, answer, details) {
       element("thead", {}, element("tr", {}, models ? element("th", {class: "text"}, "Model") : null,
         head.map((h) => element("th", {scope: "col", class: h === "Verdict" ? "text" : null}, h)))),
       element("tbody", {}, series.flatMap((s, m) => s.runs.map((r, k) => element("tr", {"data-model": m, "data-run": k},
-        models ? element("td", {class: "text"}, s.name) : null,
+        models ? element("td", {class: "text name"}, breakable(s.name)) : null,
         number("mu_i", r.mu_i, 0), number("energy", r.energy[c], 6),
         models ? element("td", {}, short(r.energy[c] - 1, 2)) : [number("energy_standard_error", r.energy_standard_error[c]),
           ...listed.map((name) => number(name, name === "reflected" || name === "transmitted" ? r[name].total[c] : r[name][c], 6)),

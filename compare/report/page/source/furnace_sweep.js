@@ -1,5 +1,5 @@
 // The page of `lamella furnace --sweep`: closed forms over the range of their parameters.
-import {element, choice, figure, scrolling} from "./dom.js";
+import {breakable, element, choice, figure, scrolling} from "./dom.js";
 import {degrees, short} from "./numbers.js";
 import {heading} from "./heading.js";
 import {heatMap} from "./heat.js";
@@ -21,7 +21,7 @@ export function furnaceSweep(page, answer) {
     const base = others.reduce((n, a, k) => n + (state.fixed[k] ?? 0) * stride[k + 1], 0);
     const named = others.map((a, k) => `${a.name} ${a.values[state.fixed[k] ?? 0]}`);
     plotFigure.querySelector("figcaption .quiet")?.remove();
-    plotFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, [model.name, ...named].join(", ")));
+    plotFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, breakable([model.name, ...named].join(", "))));
     const nice = (v) => Number.isNaN(Number(v)) ? v : short(Number(v));
     const xs = axis ? axis.values.map(nice) : ["no parameters"];
     heatMap(plot, `Furnace of ${model.name}`, {x: {name: axis?.name ?? "", values: xs}, y: {name: "θ_i", values: angles.map((a) => degrees(a))},
@@ -50,8 +50,8 @@ export function furnaceSweep(page, answer) {
     const number = (field, e) => element("td", {"data-field": field, "data-value": e.energy}, e.energy.toFixed(4));
     return scrolling("All models", element("table", {id: "numbers"}, element("thead", {}, element("tr", {},
       ["Model", "Configurations", "Least energy", "at", "Most energy", "at", "Verdict"].map((h) => element("th", {scope: "col", class: /Model|at|Verdict/.test(h) ? "text" : null}, h)))),
-      element("tbody", {}, models.map((m, k) => element("tr", {"data-model": k}, element("td", {class: "text"}, m.name), element("td", {}, m.configurations),
-        number("least", m.least), element("td", {class: "text wrap"}, where(m.least)), number("most", m.most), element("td", {class: "text wrap"}, where(m.most)),
+      element("tbody", {}, models.map((m, k) => element("tr", {"data-model": k}, element("td", {class: "text name"}, breakable(m.name)), element("td", {}, m.configurations),
+        number("least", m.least), element("td", {class: "text wrap"}, breakable(where(m.least))), number("most", m.most), element("td", {class: "text wrap"}, breakable(where(m.most))),
         element("td", {class: "text"}, element("span", {class: `mark ${verdict(m)[0]}`}, verdict(m)[1])))))));
   }
   controlsNow();

@@ -17,17 +17,28 @@ export function short(x, digits = 3) {
   return String(Number(x.toPrecision(digits))).replace("-", "−");
 }
 
+// A share as percent with two significant digits, never as a power of ten: as percent_text of the program
+// (compare/request/percent.h).
 export function percent(x) {
-  if (typeof x !== "number") return x === "inf" ? "∞" : "–";
-  const p = 100 * x;
-  return `${p >= 1000 ? short(p, 2) : Number(p.toPrecision(p >= 100 ? 3 : p < .1 ? 1 : 2))} %`;
+  if (typeof x !== "number" || Number.isNaN(x)) return x === "inf" ? "∞" : "–";
+  if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
+  const p = 100 * x, size = Math.abs(p), sign = p < 0 ? "−" : "";
+  if (size > 1e6) return p > 0 ? "above 1000000 %" : "below −1000000 %";
+  if (size > 0 && size < 1e-8) return p > 0 ? "below 0.00000001 %" : "above −0.00000001 %";
+  if (size === 0) return "0 %";
+  const exponent = Number(size.toExponential(1).split("e")[1]);
+  return `${sign}${size.toFixed(Math.max(0, 1 - exponent))} %`;
 }
+
+// The one number that stands for a colour: its luminance, ITU-R BT.709-6 (phase/math/luminance.h). Errors combine in
+// the same way where channels share walks.
+export const luminanceWeights = [0.2126, 0.7152, 0.0722];
+export const luminanceName = "luminance (Rec. 709)";
+export const luminance = (list) => list.length === 1 ? list[0] : luminanceWeights.reduce((sum, w, c) => sum + w * list[c], 0);
 
 export function degrees(theta) { return `${Number(theta.toFixed(2))}°`; }
 
 export function thetaOf(mu) { return Math.acos(Math.max(-1, Math.min(1, mu))) * 180 / Math.PI; }
-
-export const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
 
 // float32, little-endian, in base64
 export function floats(text) {

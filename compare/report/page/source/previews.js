@@ -1,15 +1,12 @@
 // A sphere and a plane under light: truth, models, and their difference from the truth.
-import {element} from "./dom.js";
-import {percent, short} from "./numbers.js";
-
-// A name that may be broken after its underscores.
-const breakable = (name) => name.split("_").flatMap((word, k) => k ? ["_", element("wbr"), word] : [word]);
+import {breakable, element} from "./dom.js";
+import {luminanceName, percent, short} from "./numbers.js";
 
 export function previews(answer, details) {
   if (!details) return [];
   const gradient = `linear-gradient(to right, ${details.colors.join(", ")})`;
   return [element("h2", {}, "Under light"),
-    element("p", {class: "quiet"}, `Truth by ${details.truth}. Above: radiance, one exposure per row of pictures. Below: luminance, model − truth.`),
+    element("p", {class: "quiet"}, `Truth by ${details.truth}. Above: radiance, one exposure per row of pictures. Below: ${luminanceName}, model − truth.`),
     element("div", {class: "halves"}, details.views.map((view, v) => {
       const pictures = answer[v].pictures, truth = pictures[0].mean_luminance;
       const shot = (src, alt) => element("img", {src, alt, width: view.width, height: view.height});

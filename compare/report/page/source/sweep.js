@@ -1,7 +1,7 @@
 // The page of `lamella sweep`: how an error, or a furnace, depends on parameters.
-import {element, choice, figure, scrolling} from "./dom.js";
+import {breakable, element, choice, figure, scrolling} from "./dom.js";
 import {axis, chart, legend, modelColor, modelDash, modelSymbol, tooltip} from "./charts.js";
-import {degrees, mean, percent, short, thetaOf} from "./numbers.js";
+import {degrees, luminance, luminanceName, percent, short, thetaOf} from "./numbers.js";
 import {heading} from "./heading.js";
 import {heatMap} from "./heat.js";
 import {stackDrawing} from "./stack.js";
@@ -20,7 +20,8 @@ export function sweep(page, answer) {
   const runs = ofFurnace ? (first.models ?? [first])[0].runs : uniqueRuns(first);
   const lobes = ofFurnace ? [] : first.models.flatMap((m) => m.lobes);
   const sides = [...new Set(lobes.map((l) => l.side))], hasOrders = orders.filter((o) => lobes.some((l) => l.order === o));
-  const quantities = ofFurnace ? {miss: "energy − 1"} : {error: "error without noise", energy: "energy of the model / truth − 1"};
+  const inColour = (ofFurnace ? runs[0]?.energy : lobes[0]?.energy_model)?.length === 3;
+  const quantities = ofFurnace ? {miss: `energy − 1${inColour ? `, ${luminanceName}` : ""}`} : {error: "error without noise", energy: `energy of the model / truth − 1${inColour ? `, ${luminanceName}` : ""}`};
   const state = {model: 0, run: 0, side: sides[0], order: hasOrders.includes("all") ? "all" : hasOrders[0], quantity: Object.keys(quantities)[0],
     x: 0, y: Math.min(1, axes.length - 1), fixed: axes.map(() => 0)};
 
@@ -34,12 +35,12 @@ export function sweep(page, answer) {
     const same = (r) => Math.abs(r.mu_i - run.mu_i) < 1e-12 && Math.abs(r.phi_i - run.phi_i) < 1e-9;
     if (ofFurnace) {
       const r = (point.answer.models ? point.answer.models[model] : point.answer)?.runs.find(same);
-      return r && {value: mean(r.energy) - 1, verdict: r.verdict, mark: `${marks[r.verdict]}`};
+      return r && {value: luminance(r.energy) - 1, verdict: r.verdict, mark: `${marks[r.verdict]}`};
     }
     const l = point.answer.models[model]?.lobes.find((e) => e.side === state.side && e.order === state.order && same(e));
     if (!l) return null;
     const error = l.relative_rmse_without_noise === "inf" ? Infinity : l.relative_rmse_without_noise;
-    const value = state.quantity === "error" ? error : mean(l.energy_model) / mean(l.energy_truth) - 1;
+    const value = state.quantity === "error" ? error : luminance(l.energy_model) / luminance(l.energy_truth) - 1;
     return {value, verdict: l.verdict, mark: marks[l.verdict]};
   }
 
@@ -55,7 +56,7 @@ export function sweep(page, answer) {
   function show() {
     const shown = points.filter(inPlane), text = [quantities[state.quantity], `θ_i ${degrees(thetaOf(runs[state.run].mu_i))}`,
       ...(ofFurnace ? [] : [words[state.side], state.order === "all" ? "all orders" : `order ${state.order}`])].join(", ");
-    plotFigure.querySelector("figcaption").replaceChildren(axes.length > 1 ? `${series[state.model]} ` : "", element("span", {class: "quiet"}, text));
+    plotFigure.querySelector("figcaption").replaceChildren(...breakable(axes.length > 1 ? `${series[state.model]} ` : ""), element("span", {class: "quiet"}, text));
     const asText = (v) => state.quantity === "error" ? percent(v) : short(v, 2);
     if (axes.length === 1) {
       key.replaceChildren(legend(series.map((name, k) => ({name, model: k}))));
@@ -74,8 +75,8 @@ export function sweep(page, answer) {
         cells: cells.map(({q, c}) => ({i: q.at[state.x], j: q.at[state.y], value: c.value, mark: c.mark,
           tip: `${axes[state.x].path} ${short(axes[state.x].values[q.at[state.x]])}<br>${axes[state.y].path} ${short(axes[state.y].values[q.at[state.y]])}<br>${asText(c.value)} ${c.verdict}`}))});
     }
-    table.replaceChildren(scrolling("All numbers", element("table", {id: "numbers"}, element("thead", {}, element("tr", {}, axes.map((a) => element("th", {scope: "col"}, a.path)),
-      series.map((s) => element("th", {scope: "col"}, s)))), element("tbody", {}, points.map((q, i) => element("tr", {"data-point": i}, q.at.map((k, a) => element("td", {}, short(axes[a].values[k], 4))),
+    table.replaceChildren(scrolling("All numbers", element("table", {id: "numbers"}, element("thead", {}, element("tr", {}, axes.map((a) => element("th", {scope: "col"}, breakable(a.path))),
+      series.map((s) => element("th", {scope: "col"}, breakable(s))))), element("tbody", {}, points.map((q, i) => element("tr", {"data-point": i}, q.at.map((k, a) => element("td", {}, short(axes[a].values[k], 4))),
         series.map((_, m) => { const c = cellOf(q, m); return element("td", {"data-model": m, "data-value": c ? c.value : ""}, c ? element("span", {class: `mark ${c.verdict}`}, `${c.mark} ${asText(c.value)}`) : "–"); })))))));
   }
   const choose = (name, index) => (v) => { if (index === undefined) state[name] = v; else state[name][index] = v; show(); };

@@ -1,0 +1,29 @@
+// Stands in for least_squares.cpp, sampler_fit.cpp and spongecake_fit.cpp where there is no Ceres.
+#include "compare/fit/least_squares.h"
+#include "compare/fit/sampler_fit.h"
+#include "compare/fit/spongecake_fit.h"
+
+namespace lamella {
+namespace {
+
+[[noreturn]] void refuse() {
+  throw FitError(
+      "fits need Ceres, and this lamella was built without (-DLAMELLA_CERES=OFF); allowed: models "
+      "with their parameters given, or a build with libceres-dev and -DLAMELLA_CERES=ON");
+}
+
+}  // namespace
+
+bool has_least_squares() { return false; }
+void require_least_squares() { refuse(); }
+
+SpongecakeFit fit_spongecake(const Stack&, const std::vector<RunResult>&) { refuse(); }
+
+SamplingLobeTable fit_sampling_lobes(const std::function<std::unique_ptr<Model>(double)>&, int,
+                                     int) {
+  refuse();
+}
+
+std::string to_initializers(const SamplingLobeTable&) { refuse(); }
+
+}  // namespace lamella
