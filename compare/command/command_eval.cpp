@@ -188,7 +188,9 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
     truth = truth_at(*choice.solution, pairs.pairs);
     warn_of_bounds(truth, *choice.solution, request.tolerance);
   } else {
-    truth = truth_at(*stack, plan_of(request), pairs.pairs, request.effort.walks, request.seed,
+    const Plan plan = plan_of(request);
+    for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
+    truth = truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed,
                      &user_interrupt);
   }
   for (const TruthValue& v : truth) {

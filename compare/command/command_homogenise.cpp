@@ -96,6 +96,7 @@ int homogenise_command(const Options& options) {
   if (!options.output.empty()) check_output_file(options.output);
   const TruthRequest request = truth_request(options, stack);
   const Plan plan = make_plan(stack, request.limits);
+  for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
   check_estimator(request);  // the solver does not apply
   const Estimator estimator = request.estimator.value_or(Estimator::analog);
   const Stack profile = homogenised(stack, plan.grids);

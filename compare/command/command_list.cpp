@@ -43,6 +43,7 @@ int explain_command(const Options& options) {
   TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
   const Plan plan = plan_of(request);
+  for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
   std::FILE* out = table_stream(options);
   Json answer = json_header("explain", request);
   answer["plan"] = Json::array();
@@ -143,7 +144,10 @@ int media_command(const Options& options) {
         "inf for a half space; density [1/mm], default 1; grid, a .vdb file whose \"density\" "
         "multiplies it from voxel to voxel, with size [mm], two numbers in [1e-06, 1e+06], its "
         "lateral "
-        "period, and grid_albedo, \"file\" (default) or \"white\"\n");
+        "period, and grid_albedo, \"file\" (default) or \"white\"; of a .vdb file with other "
+        "names in it: density_grid, orientation_grid, roughness_grid, albedo_grid, the grids' "
+        "names; of one that does not tell its tile: voxels, three whole numbers [x, y, z], and "
+        "first_voxel, the index of the lowest one, default [0, 0, 0]\n");
   write_json(answer, options.json);
   return kDone;
 }

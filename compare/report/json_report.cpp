@@ -48,6 +48,12 @@ Json to_json(const Stack& stack) {
       entry["grid"] = layer.grid->file;
       entry["size"] = {layer.grid->size_x, layer.grid->size_y};
       entry["grid_albedo"] = layer.grid->white ? "white" : "file";
+      for (std::size_t k = 0; k < kGridNameKeys.size(); ++k)
+        if (!layer.grid->names[k].empty()) entry[kGridNameKeys[k]] = layer.grid->names[k];
+      if (layer.grid->voxels) {
+        entry["voxels"] = *layer.grid->voxels;
+        entry["first_voxel"] = layer.grid->first_voxel;
+      }
     }
     layers.push_back(std::move(entry));
   }

@@ -57,6 +57,7 @@ GroundTruth::GroundTruth(TruthRequest request, Estimator of_walks, RunMonitor mo
       monitor_(std::move(monitor)),
       plan_(plan_of(request_)) {
   check_estimator(request_);
+  for (const std::string& warning : plan_.warnings) monitor_.warn(warning);
 }
 
 const EstimatorChoice& GroundTruth::choice() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,10 @@
 
 namespace lamella {
 
+/// Keys that name the grids of a .vdb file.
+inline constexpr std::array<const char*, 4> kGridNameKeys{"density_grid", "orientation_grid",
+                                                          "roughness_grid", "albedo_grid"};
+
 /// What a stack file says of the grid that varies a layer's density. Its voxels are volume's
 /// (density_grid.h); here it is a name and a size.
 struct GridReference {
@@ -19,6 +24,12 @@ struct GridReference {
   std::string folder;  ///< what a relative file name starts from; empty: working directory
   double size_x = 1, size_y = 1;  ///< [mm], in (0, infinity): the lateral period
   bool white = false;             ///< leave the file's albedo grid out
+  /// Names of the file's grids where they are not "density", "orientation", "roughness", "albedo":
+  /// of the keys kGridNameKeys, in that order. Empty: that name, and only density must be there.
+  std::array<std::string, 4> names{};
+  /// The tile in voxels of the file, from first_voxel on; without: volume/README.md says what.
+  std::optional<std::array<int, 3>> voxels{};
+  std::array<int, 3> first_voxel{};
   std::string where;              ///< "cloth.toml:5: layer 0", for errors
 };
 

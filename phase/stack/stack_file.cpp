@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -52,6 +53,20 @@ const ParameterInfo kGridAlbedo{.name = "grid_albedo",
                                 .doc = "the albedo grid of the file, or white: as if it had none",
                                 .default_value = "file",
                                 .choices = {"file", "white"}};
+
+// Every key that stands beside "grid", and itself.
+const std::vector<std::string> kGridKeys{"grid",
+                                         "size",
+                                         kGridAlbedo.name,
+                                         kGridNameKeys[0],
+                                         kGridNameKeys[1],
+                                         kGridNameKeys[2],
+                                         kGridNameKeys[3],
+                                         "voxels",
+                                         "first_voxel"};
+constexpr char kBuiltinPrefix[] = "builtin:";
+// Voxels along an edge of a tile, and places of its first one: OpenVDB's indices have 32 bits.
+constexpr double kMostVoxels = 1 << 20, kFarthestVoxel = 1 << 30;
 
 // Lengths [mm] of a grid, so that voxel sizes and their inverses stay far from the ends of double.
 constexpr double kSmallestLength = 1e-6, kLargestLength = 1e6;
@@ -202,7 +217,9 @@ class Reader {
     }
     std::vector<ParameterInfo> infos = info->parameters;
     infos.insert(infos.end(), {kAlbedo, kThickness, kDensity});
-    Parameters all = read_keys(table, infos, {"medium", "grid", "size", kGridAlbedo.name}, where);
+    std::vector<std::string> others{"medium"};
+    others.insert(others.end(), kGridKeys.begin(), kGridKeys.end());
+    Parameters all = read_keys(table, infos, others, where);
     if (!all.has("thickness"))
       fail(table.source(), fmt::format("{}: key \"thickness\": found nothing; allowed: {}", where,
                                        allowed_values(kThickness)));
@@ -234,31 +251,22 @@ class Reader {
     }
   }
 
-  // The grid of a layer, if it names one: "grid", "size", "grid_albedo".
+  // The grid of a layer, if it names one: kGridKeys.
   std::optional<GridReference> read_grid(const toml::table& table, const std::string& where,
                                          double thickness) const {
     const toml::node* grid = table.get("grid");
     const toml::node* size = table.get("size");
     const toml::node* albedo = table.get(kGridAlbedo.name);
     if (!grid) {
-      for (const toml::node* node : {size, albedo})
-        if (node)
-          fail(node->source(),
-               fmt::format("{}: key \"{}\": found {} without a grid; allowed: "
-                           "beside \"grid\" only",
-                           where, node == size ? "size" : kGridAlbedo.name, described(*node)));
+      for (const std::string& key : kGridKeys)
+        if (const toml::node* node = table.get(key))
+          fail(node->source(), fmt::format("{}: key \"{}\": found {} without a grid; allowed: "
+                                           "beside \"grid\" only",
+                                           where, key, described(*node)));
       return std::nullopt;
     }
     GridReference out;
-    const auto* name = grid->as_string();
-    const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
-    if (!name || name->get().empty() ||
-        std::any_of(name->get().begin(), name->get().end(), is_control))
-      fail(grid->source(),
-           fmt::format(
-               "{}: key \"grid\": found {}; allowed: the name of a .vdb file", where,
-               name && !name->get().empty() ? "a name with control characters" : described(*grid)));
-    out.file = name->get();
+    out.file = read_name(*grid, where, "grid", "the name of a .vdb file");
     out.folder = std::filesystem::path(file_).parent_path().string();
     out.where = fmt::format("{}:{}: {}", file_, grid->source().begin.line, where);
     if (!(thickness >= kSmallestLength && thickness <= kLargestLength))
@@ -281,6 +289,7 @@ class Reader {
                        to_text(kLargestLength)));
     out.size_x = lengths[0];
     out.size_y = lengths[1];
+    read_contents(table, where, out);
     if (albedo) {
       const auto* word = albedo->as_string();
       try {
@@ -294,6 +303,67 @@ class Reader {
       }
     }
     return out;
+  }
+
+  // A word without control characters.
+  std::string read_name(const toml::node& node, const std::string& where, const std::string& key,
+                        const char* allowed) const {
+    const auto* name = node.as_string();
+    const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
+    if (!name || name->get().empty() ||
+        std::any_of(name->get().begin(), name->get().end(), is_control))
+      fail(node.source(),
+           fmt::format("{}: key \"{}\": found {}; allowed: {}", where, key,
+                       name && !name->get().empty() ? "a name with control characters"
+                                                    : described(node),
+                       allowed));
+    return name->get();
+  }
+
+  // What is taken of a .vdb file: names of its grids, and its tile.
+  void read_contents(const toml::table& table, const std::string& where,
+                     GridReference& grid) const {
+    const bool is_file = !grid.file.starts_with(kBuiltinPrefix);
+    const auto must_be_file = [&](const toml::node& node, const std::string& key) {
+      if (!is_file)
+        fail(node.source(), fmt::format("{}: key \"{}\": found {} beside \"{}\"; allowed: beside a "
+                                        ".vdb file only",
+                                        where, key, text_of(node), grid.file));
+    };
+    for (std::size_t k = 0; k < kGridNameKeys.size(); ++k)
+      if (const toml::node* node = table.get(kGridNameKeys[k])) {
+        must_be_file(*node, kGridNameKeys[k]);
+        grid.names[k] = read_name(*node, where, kGridNameKeys[k], "the name of a grid in the file");
+      }
+    if (const toml::node* node = table.get("voxels")) {
+      must_be_file(*node, "voxels");
+      grid.voxels = read_counts(*node, where, "voxels", 1, kMostVoxels, "the tile in voxels");
+    }
+    if (const toml::node* node = table.get("first_voxel")) {
+      if (!grid.voxels)
+        fail(node->source(), fmt::format("{}: key \"first_voxel\": found {} without \"voxels\"; "
+                                         "allowed: beside \"voxels\" only",
+                                         where, text_of(*node)));
+      grid.first_voxel = read_counts(*node, where, "first_voxel", -kFarthestVoxel, kFarthestVoxel,
+                                     "the index of the tile's lowest voxel");
+    }
+  }
+
+  std::array<int, 3> read_counts(const toml::node& node, const std::string& where,
+                                 const std::string& key, double low, double high,
+                                 const char* what) const {
+    std::vector<double> numbers;
+    if (const auto value = to_value(node))
+      if (const auto* list = std::get_if<std::vector<double>>(&*value)) numbers = *list;
+    if (numbers.size() != 3 || !std::all_of(numbers.begin(), numbers.end(), [&](double x) {
+          return x == std::floor(x) && x >= low && x <= high;
+        }))
+      fail(node.source(),
+           fmt::format("{}: key \"{}\": found {}; allowed: three whole numbers [x, y, z] in [{}, "
+                       "{}], {}",
+                       where, key, text_of(node), to_text(low), to_text(high), what));
+    return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]),
+            static_cast<int>(numbers[2])};
   }
 
   // Like described, but a list of numbers in full.
@@ -365,6 +435,26 @@ Stack parse_stack(std::string_view text, const std::string& file, std::string na
   }
 }
 
+namespace {
+
+std::string grid_text(const GridReference& grid) {
+  std::string text = fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n",
+                                 quoted(grid.file), to_text(grid.size_x), to_text(grid.size_y),
+                                 grid.white ? "white" : "file");
+  for (std::size_t k = 0; k < grid.names.size(); ++k)
+    if (!grid.names[k].empty())
+      text += fmt::format("{} = {}\n", kGridNameKeys[k], quoted(grid.names[k]));
+  if (grid.voxels) {
+    const auto& n = *grid.voxels;
+    const auto& first = grid.first_voxel;
+    text += fmt::format("voxels = [{}, {}, {}]\nfirst_voxel = [{}, {}, {}]\n", n[0], n[1], n[2],
+                        first[0], first[1], first[2]);
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string to_toml(const Stack& stack) {
   std::string text;
   for (const Layer& layer : stack.layers) {
@@ -375,10 +465,7 @@ std::string to_toml(const Stack& stack) {
     if (!layer.grains)
       text += fmt::format("thickness = {}\ndensity = {}\n", to_text(layer.thickness),
                           to_text(layer.density));
-    if (layer.grid)
-      text += fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n",
-                          quoted(layer.grid->file), to_text(layer.grid->size_x),
-                          to_text(layer.grid->size_y), layer.grid->white ? "white" : "file");
+    if (layer.grid) text += grid_text(*layer.grid);
     text += '\n';
   }
   if (stack.substrate && !stack.substrate->model.empty()) {

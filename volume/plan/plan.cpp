@@ -9,6 +9,13 @@ namespace lamella {
 
 namespace {
 
+void take_grids(std::vector<std::shared_ptr<const DensityGrid>> grids, Plan& plan) {
+  plan.grids = std::move(grids);
+  for (const auto& grid : plan.grids)
+    if (grid)
+      plan.warnings.insert(plan.warnings.end(), grid->warnings().begin(), grid->warnings().end());
+}
+
 // Everything but the grids.
 Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
   Plan plan{.channels = 3,
@@ -18,7 +25,8 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
             .transmits = stack.is_open_below(),
             .max_order = limits.max_order.value_or(kMaxOrder),
             .layers = {},
-            .grids = {}};
+            .grids = {},
+            .warnings = {}};
   if (stack.grains()) return plan;
   for (int k = 0; k < static_cast<int>(stack.layers.size()); ++k)
     if (stack.has_grid() ? stack.layers[k].thickness > 0 : stack.layers[k].depth() > 0)
@@ -42,7 +50,7 @@ Plan make_plan(const Stack& stack, const WalkLimits& limits,
                std::vector<std::shared_ptr<const DensityGrid>> grids) {
   Plan plan = bare_plan(stack, limits);
   if (stack.has_grid()) {
-    plan.grids = std::move(grids);
+    take_grids(std::move(grids), plan);
     const bool grey = std::all_of(plan.grids.begin(), plan.grids.end(),
                                   [](const auto& grid) { return !grid || grid->is_grey(); });
     plan.channels = stack.is_grey() && grey ? 1 : 3;
@@ -60,7 +68,7 @@ Plan make_plan(const Stack& stack, const WalkLimits& limits,
 
 Plan general_plan(const Stack& stack, const WalkLimits& limits) {
   Plan plan = bare_plan(stack, limits);
-  if (stack.has_grid()) plan.grids = load_grids(stack);
+  if (stack.has_grid()) take_grids(load_grids(stack), plan);
   return plan;
 }
 

@@ -36,6 +36,8 @@ struct Plan {
   std::vector<int> layers;
   /// Per layer of the stack, the grid that varies its density, or nullptr; empty without grids.
   std::vector<std::shared_ptr<const DensityGrid>> grids;
+  /// What is odd about their files, one line each, for people.
+  std::vector<std::string> warnings;
 
   [[nodiscard]] bool has_grids() const { return !grids.empty(); }
 };

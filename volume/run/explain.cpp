@@ -27,6 +27,19 @@ void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
                    fmt::format("{} x {} x {} voxels; {} of {} blocks are empty; {} cells with a "
                                "majorant each are the fastest to cross",
                                n[0], n[1], n[2], count.empty_blocks, count.blocks, count.cells)});
+  if (!grid.extent_source().empty())
+    notes.push_back({"grid",
+                     fmt::format("layer {}: a tile of {} x {} x {} voxels of {:.4g} x {:.4g} x "
+                                 "{:.4g} mm",
+                                 k, n[0], n[1], n[2], grid.voxel_size().x, grid.voxel_size().y,
+                                 grid.voxel_size().z),
+                     "by " + grid.extent_source()});
+  for (std::size_t g = 0; g < layer.grid->names.size(); ++g)
+    if (!layer.grid->names[g].empty())
+      notes.push_back({"grid",
+                       fmt::format("layer {}: {} = \"{}\"", k, kGridNameKeys[g],
+                                   layer.grid->names[g]),
+                       "the layer names it"});
   const Voxels& voxels = grid.voxels();
   if (voxels.orientation && !grid.has_orientation())
     notes.push_back(

@@ -51,8 +51,13 @@ DensityGrid::Cone joined(const DensityGrid::Cone& a, DensityGrid::Cone b, bool t
 }  // namespace
 
 DensityGrid::DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxels,
-                         MajorantCells cells)
-    : voxels_(std::move(voxels)), extent_(voxels_->extent()), layer_density_(layer.density) {
+                         MajorantCells cells, std::string extent_source,
+                         std::vector<std::string> warnings)
+    : voxels_(std::move(voxels)),
+      extent_source_(std::move(extent_source)),
+      warnings_(std::move(warnings)),
+      extent_(voxels_->extent()),
+      layer_density_(layer.density) {
   const VoxelIndex n = extent_.voxels;
   voxel_size_ = {layer.grid->size_x / n[0], layer.grid->size_y / n[1], layer.thickness / n[2]};
   if (voxels_->albedo && !layer.grid->white) {
@@ -70,8 +75,13 @@ DensityGrid::DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxel
 void DensityGrid::make_axes(const Layer& layer) {
   if (!voxels_->orientation || is_particle(layer)) return;  // particles have no axis
   if (!layer.parameters.has("axis"))
-    refuse(layer, "found a grid \"orientation\", but the medium is given by a matrix",
-           "shape, roughness and axis, or no such grid");
+    refuse(layer,
+           layer.parameters.has("matrix")
+               ? "found a grid \"orientation\", but the medium is given by a matrix"
+               : fmt::format("found a grid \"orientation\", but {} has no key \"axis\" to turn",
+                             layer.medium_name),
+           layer.parameters.has("matrix") ? "shape, roughness and axis, or no such grid"
+                                          : "a medium with an axis, or no such grid");
   const Direction own = layer.parameters.vector("axis");
   axis_.emplace(extent_);
   axis_->fill({0, 0, 0}, extent_.voxels,
@@ -89,7 +99,9 @@ void DensityGrid::make_axes(const Layer& layer) {
 void DensityGrid::make_palette(const Layer& layer) {
   if (voxels_->roughness) {
     if (!layer.parameters.has("roughness"))
-      refuse(layer, "found a grid \"roughness\", but the medium is not given by its roughness",
+      refuse(layer,
+             fmt::format("found a grid \"roughness\", but {} is not given by its roughness",
+                         layer.medium_name),
              "an sggx or vmf_flake layer with the key roughness, or no such grid");
     const double own = layer.parameters.number("roughness");
     const ParameterInfo& range = *find(find_medium(layer.medium_name)->parameters, "roughness");
@@ -294,24 +306,33 @@ DensityGrid::CellCount DensityGrid::count_cells() const {
 std::vector<std::shared_ptr<const DensityGrid>> load_grids(const Stack& stack,
                                                            MajorantCells cells) {
   std::vector<std::shared_ptr<const DensityGrid>> grids(stack.layers.size());
-  std::map<std::string, std::shared_ptr<const Voxels>> files;
+  struct Read {
+    std::shared_ptr<const Voxels> voxels;
+    std::string extent_source;
+    std::vector<std::string> warnings;
+  };
+  // What is read, and how, tells files apart: two layers may take different grids of one.
+  std::map<std::string, Read> files;
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     const Layer& layer = stack.layers[k];
     if (!layer.grid || !(layer.depth() > 0)) continue;
     const GridReference& grid = *layer.grid;
-    auto& voxels = files[grid.file];
+    const auto builtin = builtin_grid_name(grid.file);
+    Read& read = files[builtin ? grid.file : description(layer)];
     try {
-      if (!voxels) {
-        if (const auto name = builtin_grid_name(grid.file))
-          voxels = std::make_shared<Voxels>(make_builtin_grid(*name));
-        else
-          voxels = std::make_shared<Voxels>(
-              read_vdb((std::filesystem::path(grid.folder) / grid.file).string()));
+      if (!read.voxels && builtin) {
+        read.voxels = std::make_shared<Voxels>(make_builtin_grid(*builtin));
+      } else if (!read.voxels) {
+        VdbGrids found = read_vdb((std::filesystem::path(grid.folder) / grid.file).string(),
+                                  request_of(layer));
+        read = {std::make_shared<Voxels>(std::move(found.voxels)), std::move(found.extent_source),
+                std::move(found.warnings)};
       }
     } catch (const std::exception& error) {
       throw std::invalid_argument(fmt::format("{}: key \"grid\": {}", grid.where, error.what()));
     }
-    grids[k] = std::make_shared<DensityGrid>(layer, voxels, cells);
+    grids[k] = std::make_shared<DensityGrid>(layer, read.voxels, cells, read.extent_source,
+                                             read.warnings);
   }
   return grids;
 }

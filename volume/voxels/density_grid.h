@@ -37,10 +37,15 @@ class DensityGrid {
   /// The layer must have a grid reference. Throws std::invalid_argument, file and key named, if the
   /// medium cannot take what the voxels vary (an orientation without an axis, ...).
   DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxels,
-              MajorantCells cells = MajorantCells::adaptive);
+              MajorantCells cells = MajorantCells::adaptive, std::string extent_source = {},
+              std::vector<std::string> warnings = {});
 
   [[nodiscard]] const Voxels& voxels() const { return *voxels_; }
   [[nodiscard]] const std::shared_ptr<const Voxels>& shared_voxels() const { return voxels_; }
+  /// Where the extent comes from ("the active voxels"), and what is odd about the file, one line
+  /// each; empty for grids that are no file's.
+  [[nodiscard]] const std::string& extent_source() const { return extent_source_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const VoxelExtent& extent() const { return extent_; }
   /// Edges of a voxel [mm].
   [[nodiscard]] Direction voxel_size() const { return voxel_size_; }
@@ -123,6 +128,8 @@ class DensityGrid {
   }
 
   std::shared_ptr<const Voxels> voxels_;
+  std::string extent_source_;
+  std::vector<std::string> warnings_;
   VoxelExtent extent_;
   Direction voxel_size_;
   double layer_density_;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "phase/math/vec3.h"
 #include "volume/voxels/voxels.h"
@@ -19,13 +22,34 @@ struct GridFileError : std::runtime_error {
 /// Version of OpenVDB that the program was built with; empty without it.
 [[nodiscard]] std::string openvdb_version();
 
-/// Reads a .vdb file: float grid "density" (a fog volume, >= 0), and if they are there
-/// "orientation" and "albedo" (three floats; albedo in [0, 1]) and "roughness" (float, in (0, 1]).
-/// Voxels are those of the bounding box of the active density voxels, or of the box that write_vdb
-/// noted down; the file's transform may scale and translate, and is not looked at beyond that, as
-/// the stack gives the size. Inactive voxels have density 0 and the layer's own properties. z
-/// points up. Throws GridFileError with what was found and what is allowed, grid and voxel named.
-[[nodiscard]] Voxels read_vdb(const std::string& path);
+/// What is wanted of a .vdb file.
+struct VdbRequest {
+  /// Names of its grids. Orientation, roughness and albedo may be missing unless `required` has the
+  /// name's position in this list.
+  std::array<std::string, 4> names{"density", "orientation", "roughness", "albedo"};
+  std::array<bool, 4> required{true, false, false, false};
+  /// The tile in voxels of the density grid, from this index on, where the user gives it.
+  std::optional<VoxelIndex> voxels{};
+  VoxelIndex first_voxel{};
+  /// Size of the tile [mm], where known: the file's voxel size is held against it.
+  std::optional<Vec3<double>> size{};
+};
+
+/// What has been found there.
+struct VdbGrids {
+  Voxels voxels;
+  VoxelIndex first_voxel{};           ///< index in the file of voxel (0, 0, 0)
+  std::string extent_source{};        ///< where the tile's extent comes from, for people
+  std::vector<std::string> warnings{};  ///< one line each, file named
+};
+
+/// Reads a .vdb file, as README.md says under "Grid files": the density (float, >= 0) and, where
+/// they are, orientation and albedo (three floats; albedo in [0, 1]) and roughness (float, in
+/// (0, 1]), all on the voxels of the density. The value of a voxel, active or not, is what
+/// OpenVDB's accessor answers. OpenVDB works in a child process with bounded memory and time, so
+/// that a damaged file ends in an error. Throws GridFileError with what was found and what is
+/// allowed, file, grid and voxel named.
+[[nodiscard]] VdbGrids read_vdb(const std::string& path, const VdbRequest& request = {});
 
 /// Writes the voxels, edges of `voxel_size` [mm], as a .vdb file that read_vdb reads back the same.
 /// Throws GridFileError.

@@ -1,4 +1,4 @@
-// Stands for vdb_file.cpp in a build without OpenVDB.
+// Stands for the files vdb_*.cpp in a build without OpenVDB.
 #include "volume/voxels/vdb_file.h"
 
 namespace lamella {
@@ -16,7 +16,7 @@ bool has_openvdb() { return false; }
 
 std::string openvdb_version() { return {}; }
 
-Voxels read_vdb(const std::string& path) { refuse(path); }
+VdbGrids read_vdb(const std::string& path, const VdbRequest&) { refuse(path); }
 
 void write_vdb(const std::string& path, const Voxels&, Vec3<double>) { refuse(path); }
 

@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace lamella {
 
 /// Voxels are stored, and bounded, in blocks of this many along each axis: OpenVDB's leaf.
 inline constexpr int kBlockVoxels = 8;
+/// Blocks in the table of a field: 128 MiB of table.
+inline constexpr std::size_t kMostBlocks = std::size_t{1} << 24;
 
 using VoxelIndex = std::array<int, 3>;
 
@@ -36,15 +39,17 @@ struct VoxelExtent {
 
 /// N numbers per voxel, constant within it, by blocks; a block that holds one value stores it once,
 /// so that empty space and coarse tiles cost an entry of the table. z index 0 is the lowest slice.
-/// A field may be undefined in places (the mask of OpenVDB): there the value is 0.
 template <int N>
 class VoxelField {
  public:
   using Value = std::array<float, N>;
 
-  /// Everything 0.
-  explicit VoxelField(VoxelExtent extent)
-      : extent_(extent), width_(extent.blocks()), blocks_(extent.block_count()), values_(1) {}
+  /// The same value everywhere.
+  explicit VoxelField(VoxelExtent extent, const Value& everywhere = {})
+      : extent_(extent),
+        width_(extent.blocks()),
+        blocks_(extent.block_count()),
+        values_(1, everywhere) {}
 
   [[nodiscard]] const VoxelExtent& extent() const { return extent_; }
   [[nodiscard]] const Value& at(VoxelIndex i) const {
@@ -53,6 +58,27 @@ class VoxelField {
   }
   /// Whether the block of the voxel holds one value only.
   [[nodiscard]] bool is_uniform(VoxelIndex i) const { return blocks_[index_of(i)].mask == 0; }
+
+  /// The values of the voxel's block: one if it is uniform, else 8^3, x fastest; those beyond the
+  /// extent have no meaning.
+  [[nodiscard]] std::span<const Value> block(VoxelIndex i) const {
+    const Block& block = blocks_[index_of(i)];
+    return {values_.data() + block.offset, std::size_t{block.mask} + 1};
+  }
+  /// Sets the voxel's block as block() gives it: 1 or 8^3 values.
+  void set_block(VoxelIndex i, std::span<const Value> values) {
+    Block& block = blocks_[index_of(i)];
+    const auto mask = static_cast<std::uint32_t>(values.size() - 1);
+    if (block.offset == 0 || block.mask != mask) {
+      if (mask == 0 && values_[0] == values[0]) {
+        block = {};
+        return;
+      }
+      block = {static_cast<std::uint32_t>(values_.size()), mask};
+      values_.resize(values_.size() + values.size());
+    }
+    std::copy(values.begin(), values.end(), values_.begin() + block.offset);
+  }
 
   void set(VoxelIndex i, const Value& value) {
     Block& block = blocks_[index_of(i)];
@@ -83,6 +109,7 @@ class VoxelField {
           }
           Block& block = blocks_[index_of(lo)];
           if (whole && block.mask == 0) {
+            if (values_[block.offset] == value) continue;
             block = {static_cast<std::uint32_t>(values_.size()), 0};
             values_.push_back(value);
             continue;
@@ -134,6 +161,25 @@ void for_each_voxel(const VoxelExtent& extent, const F& f) {
   for (i[2] = 0; i[2] < extent.voxels[2]; ++i[2])
     for (i[1] = 0; i[1] < extent.voxels[1]; ++i[1])
       for (i[0] = 0; i[0] < extent.voxels[0]; ++i[0]) f(i);
+}
+
+/// Calls f(index, value) for every voxel, but for a uniform block once, with its first voxel.
+template <int N, class F>
+void for_each_value(const VoxelField<N>& field, const F& f) {
+  const VoxelIndex n = field.extent().voxels;
+  VoxelIndex b, i;
+  for (b[2] = 0; b[2] < n[2]; b[2] += kBlockVoxels)
+    for (b[1] = 0; b[1] < n[1]; b[1] += kBlockVoxels)
+      for (b[0] = 0; b[0] < n[0]; b[0] += kBlockVoxels) {
+        if (field.is_uniform(b)) {
+          f(b, field.at(b));
+          continue;
+        }
+        for (i[2] = b[2]; i[2] < std::min(b[2] + kBlockVoxels, n[2]); ++i[2])
+          for (i[1] = b[1]; i[1] < std::min(b[1] + kBlockVoxels, n[1]); ++i[1])
+            for (i[0] = b[0]; i[0] < std::min(b[0] + kBlockVoxels, n[0]); ++i[0])
+              f(i, field.at(i));
+      }
 }
 
 }  // namespace lamella

@@ -1,13 +1,12 @@
 #include "volume/voxels/vdb_file.h"
 
 #include <gtest/gtest.h>
-#include <openvdb/openvdb.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 
+#include "tests/volume/voxels/vdb_fixture.h"
 #include "tests/volume/voxels/grids.h"
 #include "volume/voxels/sphere_bed_level_set.h"
 
@@ -15,53 +14,9 @@ namespace lamella {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A folder of the test's own.
-class VdbFile : public ::testing::Test {
- protected:
-  void SetUp() override {
-    openvdb::initialize();
-    std::string pattern = (fs::temp_directory_path() / "lamella-vdb-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::string file(const std::string& name) const {
-    return (folder_ / name).string();
-  }
-  // What read_vdb says of a file with these grids.
-  [[nodiscard]] std::string refusal(const openvdb::GridCPtrVec& grids) const {
-    const std::string path = file("broken.vdb");
-    openvdb::io::File(path).write(grids);
-    return refusal_of(path);
-  }
-  [[nodiscard]] static std::string refusal_of(const std::string& path) {
-    try {
-      (void)read_vdb(path);
-    } catch (const GridFileError& error) {
-      return error.what();
-    }
-    return "no refusal";
-  }
-
- private:
-  fs::path folder_;
-};
-
-template <class Grid>
-typename Grid::Ptr grid_with(const std::string& name, typename Grid::ValueType value,
-                             openvdb::Coord where = {1, 2, 3}) {
-  const auto grid = Grid::create();
-  grid->setName(name);
-  grid->tree().setValue(where, value);
-  return grid;
-}
-
-void expect_part(const std::string& text, std::initializer_list<const char*> parts) {
-  for (const char* part : parts) EXPECT_NE(text.find(part), std::string::npos) << text;
-  EXPECT_NE(text.find("allowed: "), std::string::npos) << text;
-}
+using testing::expect_part;
+using testing::grid_with;
+using testing::VdbFile;
 
 TEST_F(VdbFile, ReadsBackEveryVoxelThatWasWritten) {
   Voxels voxels = testing::voxels_of({19, 8, 11}, [](VoxelIndex i) {
@@ -77,7 +32,7 @@ TEST_F(VdbFile, ReadsBackEveryVoxelThatWasWritten) {
     voxels.albedo->set(i, {part(6), i[0] % 2 ? 1 : part(7), 1});
   });
   write_vdb(file("all.vdb"), voxels, {0.1, 0.2, 0.3});
-  const Voxels back = read_vdb(file("all.vdb"));
+  const Voxels back = read_vdb(file("all.vdb")).voxels;
   ASSERT_EQ(back.extent(), voxels.extent());  // the empty slice on top among them
   for_each_voxel(voxels.extent(), [&](VoxelIndex i) {
     ASSERT_EQ(back.density.at(i), voxels.density.at(i));
@@ -87,21 +42,21 @@ TEST_F(VdbFile, ReadsBackEveryVoxelThatWasWritten) {
   });
   Voxels plain = testing::voxels_of({8, 8, 8}, [](VoxelIndex) { return 1; });
   write_vdb(file("plain.vdb"), plain, {1, 1, 1});
-  const Voxels again = read_vdb(file("plain.vdb"));
+  const Voxels again = read_vdb(file("plain.vdb")).voxels;
   EXPECT_FALSE(again.orientation || again.roughness || again.albedo);
 }
 
 TEST_F(VdbFile, TakesTheBoxOfActiveVoxelsAndTilesOfOtherToolsFiles) {
-  const auto density = openvdb::FloatGrid::create(7.0f);  // inactive: 0 nevertheless
+  const auto density = openvdb::FloatGrid::create(7.0f);
   density->setName("density");
   density->fill(openvdb::CoordBBox({-16, 5, 100}, {15, 20, 131}), 2.0f);
   density->tree().setValue({-20, 5, 100}, 3.0f);
   density->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
   openvdb::io::File(file("tiles.vdb")).write({density});
-  const Voxels voxels = read_vdb(file("tiles.vdb"));
+  const Voxels voxels = read_vdb(file("tiles.vdb")).voxels;
   ASSERT_EQ(voxels.extent().voxels, (VoxelIndex{36, 16, 32}));
   for_each_voxel(voxels.extent(), [&](VoxelIndex i) {
-    const float expected = i == VoxelIndex{0, 0, 0} ? 3 : i[0] >= 4 ? 2 : 0;
+    const float expected = i == VoxelIndex{0, 0, 0} ? 3 : i[0] >= 4 ? 2 : 7;
     ASSERT_EQ(voxels.density.at(i)[0], expected) << i[0] << ' ' << i[1] << ' ' << i[2];
   });
 }
