@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <mutex>
 
 #include "analytic/catalogue/lamella_model.h"
+#include "phase/parameters/one_line.h"
 
 namespace lamella {
 namespace {
@@ -222,10 +224,14 @@ const ModelInfo& load_model_plugin(const std::string& path) {
   if (known != loaded.end()) return known->second;
   // Without a slash dlopen would look in the system's folders.
   const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
+  // Opening a pipe would wait for a writer.
+  std::error_code error;
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    throw ModelPluginError(fmt::format("{}: is no regular file; allowed: a shared object", path));
   void* object = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!object)
-    throw ModelPluginError(
-        fmt::format("{}: cannot be loaded: {}; allowed: a shared object", path, dlerror()));
+    throw ModelPluginError(fmt::format("{}: cannot be loaded: {}; allowed: a shared object", path,
+                                       one_line(dlerror())));
   const auto* entry = static_cast<const Entry*>(dlsym(object, kSymbol));
   if (!entry) {
     dlclose(object);

@@ -10,6 +10,7 @@
 #include "analytic/catalogue/model_plugin.h"
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
+#include "compare/options/progress.h"
 #include "compare/request/direction_pairs.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"

@@ -6,6 +6,7 @@
 
 #include "compare/command_line/command_line.h"
 #include "compare/files/output_folder.h"
+#include "phase/parameters/one_line.h"
 
 namespace {
 
@@ -22,7 +23,8 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const auto fail = [](const std::exception& error, int status) {
-    fmt::print(stderr, "lamella: {}\n", error.what());
+    // One line, whatever a library or a file's name brought along.
+    fmt::print(stderr, "lamella: {}\n", lamella::one_line(error.what(), 1 << 14));
     return status;
   };
   try {

@@ -3,14 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <iterator>
 
 #include "phase/stack/stack_file.h"
+#include "phase/stack/text_file.h"
 
 namespace lamella {
 namespace {
@@ -162,24 +158,25 @@ const std::vector<BuiltinStack>& builtin_stacks() {
 Stack load_stack(const std::string& what) {
   for (const BuiltinStack& stack : builtin_stacks())
     if (stack.name == what) return parse_stack(stack.toml, "<built-in " + what + ">", what);
-  if (what == "-") {
-    const std::string text((std::istreambuf_iterator<char>(std::cin)), {});
-    return parse_stack(text, "<stdin>", "stdin");
-  }
+  // A stack file of a thousand layers has some hundred kilobytes.
+  constexpr std::size_t kMostBytes = std::size_t{16} << 20;
   namespace fs = std::filesystem;
-  std::ifstream file(what, std::ios::binary);
-  if (!file || fs::is_directory(what)) {
-    const std::string reason = fs::is_directory(what) ? "is a directory" : std::strerror(errno);
+  const bool in = what == "-";
+  std::string text;
+  try {
+    text = read_text_file(what, kMostBytes);
+  } catch (const TextFileError& error) {
+    const std::string reason = error.what();
     std::vector<std::string> names;
     for (const BuiltinStack& stack : builtin_stacks()) names.push_back(stack.name);
     const std::string hint = suggestion(what, names);
     throw StackFileError(
         fmt::format("{}: {}; allowed: a TOML file, - for stdin, or a built-in stack (lamella "
                     "stacks lists them){}",
-                    what, reason, hint.empty() ? "" : "; " + hint));
+                    in ? "<stdin>" : what, reason, hint.empty() ? "" : "; " + hint));
   }
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  return parse_stack(text, what, fs::path(what).stem().string());
+  return in ? parse_stack(text, "<stdin>", "stdin")
+            : parse_stack(text, what, fs::path(what).stem().string());
 }
 
 }  // namespace lamella

@@ -30,7 +30,7 @@ struct GridReference {
   /// The tile in voxels of the file, from first_voxel on; without: volume/README.md says what.
   std::optional<std::array<int, 3>> voxels{};
   std::array<int, 3> first_voxel{};
-  std::string where;              ///< "cloth.toml:5: layer 0", for errors
+  std::string where;  ///< "cloth.toml:5: layer 0", for errors
 };
 
 /// One plane-parallel layer. Only depth() counts for the light, unless a grid varies it.

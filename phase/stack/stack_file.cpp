@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "phase/medium/media.h"
+#include "phase/parameters/one_line.h"
 #define TOML_HEADER_ONLY 1
 // toml++ 3.3 reaches its "unreachable" code at letters such as mu outside of strings, when it asks
 // whether they are spaces. They are not; the rest keeps its own definition.
@@ -55,15 +56,9 @@ const ParameterInfo kGridAlbedo{.name = "grid_albedo",
                                 .choices = {"file", "white"}};
 
 // Every key that stands beside "grid", and itself.
-const std::vector<std::string> kGridKeys{"grid",
-                                         "size",
-                                         kGridAlbedo.name,
-                                         kGridNameKeys[0],
-                                         kGridNameKeys[1],
-                                         kGridNameKeys[2],
-                                         kGridNameKeys[3],
-                                         "voxels",
-                                         "first_voxel"};
+const std::vector<std::string> kGridKeys{"grid",           "size",           kGridAlbedo.name,
+                                         kGridNameKeys[0], kGridNameKeys[1], kGridNameKeys[2],
+                                         kGridNameKeys[3], "voxels",         "first_voxel"};
 constexpr char kBuiltinPrefix[] = "builtin:";
 // Voxels along an edge of a tile, and places of its first one: OpenVDB's indices have 32 bits.
 constexpr double kMostVoxels = 1 << 20, kFarthestVoxel = 1 << 30;
@@ -313,10 +308,10 @@ class Reader {
     if (!name || name->get().empty() ||
         std::any_of(name->get().begin(), name->get().end(), is_control))
       fail(node.source(),
-           fmt::format("{}: key \"{}\": found {}; allowed: {}", where, key,
-                       name && !name->get().empty() ? "a name with control characters"
-                                                    : described(node),
-                       allowed));
+           fmt::format(
+               "{}: key \"{}\": found {}; allowed: {}", where, key,
+               name && !name->get().empty() ? "a name with control characters" : described(node),
+               allowed));
     return name->get();
   }
 
@@ -431,16 +426,16 @@ Stack parse_stack(std::string_view text, const std::string& file, std::string na
     return Reader(file).read(root, std::move(name));
   } catch (const toml::parse_error& error) {
     throw StackFileError(fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line,
-                                     error.description()));
+                                     one_line(error.description())));
   }
 }
 
 namespace {
 
 std::string grid_text(const GridReference& grid) {
-  std::string text = fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n",
-                                 quoted(grid.file), to_text(grid.size_x), to_text(grid.size_y),
-                                 grid.white ? "white" : "file");
+  std::string text =
+      fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n", quoted(grid.file),
+                  to_text(grid.size_x), to_text(grid.size_y), grid.white ? "white" : "file");
   for (std::size_t k = 0; k < grid.names.size(); ++k)
     if (!grid.names[k].empty())
       text += fmt::format("{} = {}\n", kGridNameKeys[k], quoted(grid.names[k]));

@@ -125,3 +125,50 @@ class Grids(ProgramTest):
             self.assertTrue(answer.err.startswith("lamella: sub/stack.toml:5: layer 0: key"),
                             str(answer))
             self.assertIn("allowed: a .vdb file", answer.err)
+
+    @unittest.skipUnless(WITH_OPENVDB, "built without OpenVDB")
+    def test_a_file_that_lacks_its_last_byte_is_refused_in_one_line(self):
+        self.lamella("grid", "dust", "voxels=16", "-o", "dust.vdb")
+        whole = (self.folder / "dust.vdb").read_bytes()
+        (self.folder / "cut.vdb").write_bytes(whole[:-1])
+        self.write("cut.toml", layer(grid='"cut.vdb"'))
+        answer = self.lamella("simulate", "cut.toml", *QUICK, status=2)
+        self.assertEqual(answer.err.count("\n"), 1, str(answer))
+        for part in ("cut.toml:5: layer 0", "cut.vdb", "no whole .vdb file", "ends at byte",
+                     "allowed: a .vdb file"):
+            self.assertIn(part, answer.err)
+
+    @unittest.skipUnless(WITH_OPENVDB, "built without OpenVDB")
+    def test_names_and_tile_of_a_file_are_keys_of_the_layer(self):
+        made = self.lamella("grid", "dust", "voxels=16", "-o", "dust.vdb").out
+        self.write("dust.toml", made)
+        self.write("named.toml", made + 'density_grid = "density"\nvoxels = [16, 16, 8]\n')
+        run = ["--wi", "40", *QUICK, "--json", "-"]
+        plain = self.lamella("simulate", "dust.toml", *run).json()
+        named = self.json_of("simulate", "named.toml", "--wi", "40", *QUICK)
+        self.assertEqual(plain["runs"][0]["reflected"], named["runs"][0]["reflected"])
+        written = named["stack"]["layer"][0]
+        self.assertEqual(written["density_grid"], "density")
+        self.assertEqual(written["voxels"], [16, 16, 8])
+        self.assertEqual(written["first_voxel"], [0, 0, 0])
+        plan = self.lamella("explain", "named.toml").out
+        self.assertIn('the layer\'s key "voxels"', plan)
+        self.assertIn('density_grid = "density"', plan)
+        self.write("other.toml", made + 'density_grid = "Density"\n')
+        answer = self.lamella("simulate", "other.toml", *QUICK, status=2)
+        self.assertIn('did you mean "density"?', answer.err)
+        self.assertEqual(answer.err.count("\n"), 1, str(answer))
+
+    @unittest.skipUnless(WITH_OPENVDB, "built without OpenVDB")
+    def test_lengths_that_contradict_the_file_are_warned_of(self):
+        made = self.lamella("grid", "dust", "voxels=16", "-o", "dust.vdb").out
+        self.write("long.toml", "\n".join(
+            "size = [7, 7]" if line.startswith("size") else line for line in made.splitlines()))
+        answer = self.lamella("simulate", "long.toml", *QUICK)
+        self.assertEqual(answer.err.count("lamella: warning: dust.vdb: "), 1, str(answer))
+        self.assertIn("size and thickness say 7 x 7", answer.err)
+
+    def test_stack_files_without_an_end_are_refused(self):
+        answer = self.lamella("simulate", "/dev/zero", *QUICK, status=2)
+        self.assertIn("/dev/zero: is a device", answer.err)
+        self.assertEqual(answer.err.count("\n"), 1, str(answer))

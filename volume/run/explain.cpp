@@ -36,10 +36,9 @@ void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
                      "by " + grid.extent_source()});
   for (std::size_t g = 0; g < layer.grid->names.size(); ++g)
     if (!layer.grid->names[g].empty())
-      notes.push_back({"grid",
-                       fmt::format("layer {}: {} = \"{}\"", k, kGridNameKeys[g],
-                                   layer.grid->names[g]),
-                       "the layer names it"});
+      notes.push_back(
+          {"grid", fmt::format("layer {}: {} = \"{}\"", k, kGridNameKeys[g], layer.grid->names[g]),
+           "the layer names it"});
   const Voxels& voxels = grid.voxels();
   if (voxels.orientation && !grid.has_orientation())
     notes.push_back(

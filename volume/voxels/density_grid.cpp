@@ -323,16 +323,16 @@ std::vector<std::shared_ptr<const DensityGrid>> load_grids(const Stack& stack,
       if (!read.voxels && builtin) {
         read.voxels = std::make_shared<Voxels>(make_builtin_grid(*builtin));
       } else if (!read.voxels) {
-        VdbGrids found = read_vdb((std::filesystem::path(grid.folder) / grid.file).string(),
-                                  request_of(layer));
+        VdbGrids found =
+            read_vdb((std::filesystem::path(grid.folder) / grid.file).string(), request_of(layer));
         read = {std::make_shared<Voxels>(std::move(found.voxels)), std::move(found.extent_source),
                 std::move(found.warnings)};
       }
     } catch (const std::exception& error) {
       throw std::invalid_argument(fmt::format("{}: key \"grid\": {}", grid.where, error.what()));
     }
-    grids[k] = std::make_shared<DensityGrid>(layer, read.voxels, cells, read.extent_source,
-                                             read.warnings);
+    grids[k] =
+        std::make_shared<DensityGrid>(layer, read.voxels, cells, read.extent_source, read.warnings);
   }
   return grids;
 }

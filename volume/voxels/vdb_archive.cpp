@@ -61,7 +61,8 @@ auto VdbArchive::watched(const F& f) -> decltype(f()) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::ios_base::failure&) {
-    refuse(fmt::format("no whole .vdb file: it ends after {} bytes, and goes on from there", size_));
+    refuse(
+        fmt::format("no whole .vdb file: it ends after {} bytes, and goes on from there", size_));
   } catch (const std::exception& error) {
     refuse(fmt::format("no readable .vdb file ({})", one_line(error.what())));
   }

@@ -24,7 +24,7 @@ class VdbArchive : private openvdb::io::Archive {
   struct Entry {
     std::string name;  ///< without the suffix that makes it unique
     std::string unique_name;
-    std::string type;  ///< "Tree_float_5_4_3"
+    std::string type;    ///< "Tree_float_5_4_3"
     std::string parent;  ///< unique name of the grid whose tree it shares, or empty
     std::int64_t descriptor = 0, grid = 0, end = 0;  ///< places in the file
   };

@@ -187,9 +187,8 @@ class FieldReader {
           *g, kRoughnessGrid, out.voxels.density, {0},
           {std::numeric_limits<float>::min(), 1, true, "a number in (0, 1]"});
     if (const auto g = grid<openvdb::Vec3SGrid>(kAlbedoGrid))
-      out.voxels.albedo =
-          placed<openvdb::Vec3SGrid, 3>(*g, kAlbedoGrid, out.voxels.density, {1, 1, 1},
-                                        {0, 1, false, "numbers in [0, 1]"});
+      out.voxels.albedo = placed<openvdb::Vec3SGrid, 3>(
+          *g, kAlbedoGrid, out.voxels.density, {1, 1, 1}, {0, 1, false, "numbers in [0, 1]"});
     const openvdb::Coord first = tile_.box.min();
     out.first_voxel = {first.x(), first.y(), first.z()};
     out.extent_source = tile_.source;
@@ -237,9 +236,9 @@ class FieldReader {
             hint.empty() ? "" : ", " + hint,
             which == kDensityGrid && name == "density" ? ", or the layer's key density_grid" : ""));
       if (alike)
-        warnings_.push_back(
-            fmt::format("grid \"{}\" is not read; {}_grid = \"{}\" reads it",
-                        one_line(alike->name, 60), name, one_line(alike->name, 60)));
+        warnings_.push_back(fmt::format("grid \"{}\" is not read; {}_grid = \"{}\" reads it",
+                                        one_line(alike->name, 60), name,
+                                        one_line(alike->name, 60)));
       return nullptr;
     }
     if (found->type != Grid::gridType())

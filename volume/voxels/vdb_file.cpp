@@ -1,7 +1,7 @@
-// .vdb files out, and level sets. The files vdb_*.cpp are all that includes OpenVDB; vdb_read.cpp and
-// what it calls read. Written against what its versions 10 to 12 share: the grid containers,
-// io::File, io::Archive with GridDescriptor, and ParticlesToLevelSet; should a version differ, these
-// files are the place.
+// .vdb files out, and level sets. The files vdb_*.cpp are all that includes OpenVDB; vdb_read.cpp
+// and what it calls read. Written against what its versions 10 to 12 share: the grid containers,
+// io::File, io::Archive with GridDescriptor, and ParticlesToLevelSet; should a version differ,
+// these files are the place.
 #include "volume/voxels/vdb_file.h"
 
 #include <fmt/format.h>

@@ -38,8 +38,8 @@ struct VdbRequest {
 /// What has been found there.
 struct VdbGrids {
   Voxels voxels;
-  VoxelIndex first_voxel{};           ///< index in the file of voxel (0, 0, 0)
-  std::string extent_source{};        ///< where the tile's extent comes from, for people
+  VoxelIndex first_voxel{};             ///< index in the file of voxel (0, 0, 0)
+  std::string extent_source{};          ///< where the tile's extent comes from, for people
   std::vector<std::string> warnings{};  ///< one line each, file named
 };
 

@@ -54,9 +54,8 @@ VdbGrids read_vdb(const std::string& path, const VdbRequest& request) {
     const std::string message = run_in_child(limits_for(size), [&](ChildAnswer& answer) {
       // Never destroyed, as little as its grids.
       auto& archive = *new VdbArchive(path);
-      write_message(read_fields(archive, request), [&](const void* data, std::size_t count) {
-        answer.write(data, count);
-      });
+      write_message(read_fields(archive, request),
+                    [&](const void* data, std::size_t count) { answer.write(data, count); });
     });
     VdbGrids grids = read_message(message);
     for (std::string& warning : grids.warnings) warning = path + ": " + warning;

@@ -25,7 +25,9 @@ openvdb::CoordBBox box_from(const VoxelIndex& first, const VoxelIndex& n) {
 }
 
 void check_count(const openvdb::CoordBBox& box, const std::string& name) {
-  const auto dim = [&](int a) { return static_cast<std::int64_t>(box.max()[a]) - box.min()[a] + 1; };
+  const auto dim = [&](int a) {
+    return static_cast<std::int64_t>(box.max()[a]) - box.min()[a] + 1;
+  };
   double blocks = 1;
   for (int a = 0; a < 3; ++a) blocks *= std::ceil(static_cast<double>(dim(a)) / kBlockVoxels);
   if (blocks > static_cast<double>(kMostBlocks))
@@ -38,10 +40,10 @@ void check_count(const openvdb::CoordBBox& box, const std::string& name) {
 void check_inside(const openvdb::CoordBBox& active, const openvdb::CoordBBox& box,
                   const std::string& name, const std::string& source) {
   if (active.empty() || box.isInside(active)) return;
-  throw GridFileError(fmt::format(
-      "grid \"{}\": found voxels {} to {}; allowed: those within {} to {}, by {}", name,
-      text_of(active.min()), text_of(active.max()), text_of(box.min()), text_of(box.max()),
-      source));
+  throw GridFileError(
+      fmt::format("grid \"{}\": found voxels {} to {}; allowed: those within {} to {}, by {}", name,
+                  text_of(active.min()), text_of(active.max()), text_of(box.min()),
+                  text_of(box.max()), source));
 }
 
 // Counts that the layer's size gives over the file's voxel size, if all three are whole numbers.
@@ -196,7 +198,8 @@ VdbIndexMap index_map(const VdbLattice& density, const openvdb::CoordBBox& tile,
       const double apart =
           (coarse.origin[a] + c * coarse.scale[a] - fine.origin[a]) / fine.scale[a] - c;
       const double ratio = coarse.scale[a] / fine.scale[a];
-      if (std::abs(apart - std::round(apart)) > kSame || std::abs(ratio - std::round(ratio)) > kSame)
+      if (std::abs(apart - std::round(apart)) > kSame ||
+          std::abs(ratio - std::round(ratio)) > kSame)
         return false;
     }
     return true;

@@ -20,7 +20,8 @@ class Writer {
     sink_(&value, sizeof value);
   }
   void text(std::string_view text) {
-    const auto length = static_cast<std::uint32_t>(std::min<std::size_t>(text.size(), kLongestText));
+    const auto length =
+        static_cast<std::uint32_t>(std::min<std::size_t>(text.size(), kLongestText));
     number(length);
     sink_(text.data(), length);
   }

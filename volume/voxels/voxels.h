@@ -177,8 +177,7 @@ void for_each_value(const VoxelField<N>& field, const F& f) {
         }
         for (i[2] = b[2]; i[2] < std::min(b[2] + kBlockVoxels, n[2]); ++i[2])
           for (i[1] = b[1]; i[1] < std::min(b[1] + kBlockVoxels, n[1]); ++i[1])
-            for (i[0] = b[0]; i[0] < std::min(b[0] + kBlockVoxels, n[0]); ++i[0])
-              f(i, field.at(i));
+            for (i[0] = b[0]; i[0] < std::min(b[0] + kBlockVoxels, n[0]); ++i[0]) f(i, field.at(i));
       }
 }
 

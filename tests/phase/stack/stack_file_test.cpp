@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -315,6 +316,43 @@ TEST(StackFile, AGridKeepsItsNameSizeAndFolder) {
   const Stack again = parse(written);
   EXPECT_EQ(to_toml(again), written);
   EXPECT_EQ(again.layers[0].grid->file, grid.file);
+}
+
+TEST(StackFile, AGridKeepsTheNamesAndTheTileOfItsFile) {
+  const std::string head =
+      "[[layer]]\nmedium = 'lambert_sphere'\nthickness = 1\nsize = [1, 1]\ngrid = ";
+  const std::string text = head +
+                           "'smoke.vdb'\ndensity_grid = 'smoke'\nalbedo_grid = 'Cd'\n"
+                           "voxels = [16, 32, 8]\nfirst_voxel = [-8, 0, 4]\n";
+  const GridReference grid = *parse_stack(text, "a.toml", "x").layers[0].grid;
+  EXPECT_EQ(grid.names, (std::array<std::string, 4>{"smoke", "", "", "Cd"}));
+  EXPECT_EQ(grid.voxels, (std::array<int, 3>{16, 32, 8}));
+  EXPECT_EQ(grid.first_voxel, (std::array<int, 3>{-8, 0, 4}));
+  const std::string written = to_toml(parse(text));
+  const GridReference again = *parse(written).layers[0].grid;
+  EXPECT_EQ(again.names, grid.names);
+  EXPECT_EQ(again.voxels, grid.voxels);
+  EXPECT_EQ(again.first_voxel, grid.first_voxel);
+  EXPECT_EQ(to_toml(parse(written)), written);
+  const auto refusal = [&](const std::string& keys) {
+    try {
+      (void)parse(head + keys);
+    } catch (const StackFileError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no refusal");
+  };
+  const auto expect = [&](const std::string& keys, std::initializer_list<const char*> parts) {
+    const std::string text_of_it = refusal(keys);
+    for (const char* part : parts)
+      EXPECT_NE(text_of_it.find(part), std::string::npos) << text_of_it;
+  };
+  expect("'a.vdb'\nvoxels = [16, 16]\n",
+         {":6:", "\"voxels\"", "found [16, 16]", "three whole numbers"});
+  expect("'a.vdb'\nvoxels = [16, 0, 8]\n", {"found [16, 0, 8]", "[1, "});
+  expect("'a.vdb'\nfirst_voxel = [1, 2, 3]\n", {"\"first_voxel\"", "without \"voxels\""});
+  expect("'a.vdb'\ndensity_grid = 3\n", {"\"density_grid\"", "found 3", "name of a grid"});
+  expect("'builtin:weave'\nalbedo_grid = 'x'\n", {"\"albedo_grid\"", "a .vdb file only"});
 }
 
 }  // namespace

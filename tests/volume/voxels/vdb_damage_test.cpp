@@ -65,14 +65,14 @@ TEST_F(VdbFile, RefusesTruncatedFiles) {
       write_with(file("whole.vdb"), one ? openvdb::GridCPtrVec{both[0]} : both, flags);
       const std::string bytes = bytes_of(file("whole.vdb"));
       EXPECT_EQ(refusal_of(file("whole.vdb")), "no refusal");
-      for (const std::size_t missing :
-           {std::size_t{1}, bytes.size() / 100, bytes.size() / 2, bytes.size() - 30,
-            bytes.size() - 3, bytes.size()}) {
+      for (const std::size_t missing : {std::size_t{1}, bytes.size() / 100, bytes.size() / 2,
+                                        bytes.size() - 30, bytes.size() - 3, bytes.size()}) {
         write_bytes(file("cut.vdb"), bytes.substr(0, bytes.size() - missing));
         const std::string refusal = refusal_of(file("cut.vdb"));
         expect_part(refusal, {"cut.vdb", ".vdb file"});
         EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
-        if (missing <= bytes.size() / 100) expect_part(refusal, {"no whole .vdb file", "ends at byte"});
+        if (missing <= bytes.size() / 100)
+          expect_part(refusal, {"no whole .vdb file", "ends at byte"});
       }
     }
   }

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <limits>
 
-#include "tests/volume/voxels/vdb_fixture.h"
 #include "tests/volume/voxels/grids.h"
+#include "tests/volume/voxels/vdb_fixture.h"
 #include "volume/voxels/sphere_bed_level_set.h"
 
 namespace lamella {

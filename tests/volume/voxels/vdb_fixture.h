@@ -59,4 +59,35 @@ inline void expect_part(const std::string& text, std::initializer_list<const cha
   EXPECT_NE(text.find("allowed: "), std::string::npos) << text;
 }
 
+// As pyopenvdb's copyFromArray: values that are the background stay inactive.
+template <class Grid, class F>
+typename Grid::Ptr from_array(const std::string& name, VoxelIndex n, double voxel, const F& f,
+                              typename Grid::ValueType background = typename Grid::ValueType(0)) {
+  const auto grid = Grid::create(background);
+  grid->setName(name);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
+  auto accessor = grid->getAccessor();
+  for_each_voxel(VoxelExtent{n}, [&](VoxelIndex i) {
+    const auto value = f(i);
+    if (value != background) accessor.setValue({i[0], i[1], i[2]}, value);
+  });
+  return grid;
+}
+
+inline openvdb::FloatGrid::Ptr full_density() {
+  return from_array<openvdb::FloatGrid>("density", {16, 16, 8}, 1.0 / 16,
+                                        [](VoxelIndex) { return 1.0f; });
+}
+
+// A quarter of the tile, between margins of zeros.
+inline openvdb::FloatGrid::Ptr stripe(double voxel) {
+  return from_array<openvdb::FloatGrid>("density", {16, 16, 8}, voxel, [](VoxelIndex i) {
+    return i[0] >= 4 && i[0] < 8 && i[2] >= 2 && i[2] < 6 ? 1.0f : 0.0f;
+  });
+}
+
+inline void write(const std::string& path, const openvdb::GridCPtrVec& grids) {
+  openvdb::io::File(path).write(grids);
+}
+
 }  // namespace lamella::testing

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 
-#include "tests/volume/voxels/grids.h"
 #include "tests/volume/voxels/vdb_fixture.h"
 #include "volume/voxels/vdb_file.h"
 
@@ -16,43 +15,16 @@ using testing::expect_part;
 using testing::grid_with;
 using testing::VdbFile;
 
+using testing::from_array;
+using testing::full_density;
+using testing::stripe;
+using testing::write;
 using Transform = openvdb::math::Transform;
-
-// As pyopenvdb's copyFromArray: values that are the background stay inactive.
-template <class Grid, class F>
-typename Grid::Ptr from_array(const std::string& name, VoxelIndex n, double voxel, const F& f,
-                              typename Grid::ValueType background = typename Grid::ValueType(0)) {
-  const auto grid = Grid::create(background);
-  grid->setName(name);
-  grid->setTransform(Transform::createLinearTransform(voxel));
-  auto accessor = grid->getAccessor();
-  for_each_voxel(VoxelExtent{n}, [&](VoxelIndex i) {
-    const auto value = f(i);
-    if (value != background) accessor.setValue({i[0], i[1], i[2]}, value);
-  });
-  return grid;
-}
-
-openvdb::FloatGrid::Ptr full_density() {
-  return from_array<openvdb::FloatGrid>("density", {16, 16, 8}, 1.0 / 16,
-                                        [](VoxelIndex) { return 1.0f; });
-}
-
-// A quarter of the tile, between margins of zeros.
-openvdb::FloatGrid::Ptr stripe(double voxel) {
-  return from_array<openvdb::FloatGrid>("density", {16, 16, 8}, voxel, [](VoxelIndex i) {
-    return i[0] >= 4 && i[0] < 8 && i[2] >= 2 && i[2] < 6 ? 1.0f : 0.0f;
-  });
-}
 
 VdbRequest of_size(double x, double y, double z) {
   VdbRequest request;
   request.size = Vec3<double>{x, y, z};
   return request;
-}
-
-void write(const std::string& path, const openvdb::GridCPtrVec& grids) {
-  openvdb::io::File(path).write(grids);
 }
 
 TEST_F(VdbFile, TakesGridsOfOtherVoxelsWhereTheyLieInSpace) {
@@ -143,30 +115,7 @@ TEST_F(VdbFile, TakesInactiveVoxelsAndBackgroundsAsTheAccessorAnswers) {
   negative->fill(openvdb::CoordBBox({0, 0, 0}, {9, 9, 9}), 1.0f);
   EXPECT_EQ(refusal({negative}), "no refusal");
   negative->tree().setValueOn({12, 0, 0}, 1.0f);
-  expect_part(refusal({negative}), {"found -1", "the background", "0 or more"});
-}
-
-TEST_F(VdbFile, AStripeBetweenMarginsOfZerosStaysAStripe) {
-  const auto uncollided = [&](const std::string& keys) {
-    const Stack stack = testing::stack_from(
-        "[[layer]]\nmedium = 'henyey_greenstein'\nalbedo = 0.8\nthickness = 0.5\ndensity = 8\n" +
-        keys);
-    Simulation simulation(stack, make_plan(stack), {0, 0, 1}, Estimator::analog,
-                          CellGrid{2, 4, false}, 1);
-    simulation.advance(200000);
-    return reduce(simulation).uncollided[0];
-  };
-  // Light that arrives along the normal meets the stripe, a depth of 8 x 0.25, or nothing.
-  const double expected = 0.75 + 0.25 * std::exp(-2.0), cropped = std::exp(-4.0);
-  for (const double voxel : {1.0 / 16, 1.0}) {
-    write(file("stripe.vdb"), {stripe(voxel)});
-    const std::string grid = "grid = '" + file("stripe.vdb") + "'\nsize = [1, 1]\n";
-    const Estimate whole = uncollided(grid + "voxels = [16, 16, 8]\n");
-    EXPECT_NEAR(whole.value, expected, 5 * whole.standard_error) << voxel;
-    // Without the key: the file's voxel size tells, or the crop is told of.
-    const Estimate plain = uncollided(grid);
-    EXPECT_NEAR(plain.value, voxel < 1 ? expected : cropped, 5 * plain.standard_error) << voxel;
-  }
+  expect_part(refusal({negative}), {"found -1 at voxel (10, 0, 0)", "0 or more"});
 }
 
 TEST_F(VdbFile, TellsTheTileFromMetadataSizeOrKeyAndWarnsOfContradictions) {
@@ -227,6 +176,15 @@ TEST_F(VdbFile, TellsTheTileFromMetadataSizeOrKeyAndWarnsOfContradictions) {
   request.voxels = VoxelIndex{3, 4, 5};
   EXPECT_EQ(read_vdb(file("constant.vdb"), request).voxels.density.at({2, 3, 4})[0], 2);
   EXPECT_NE(refusal_of(file("constant.vdb")).find("empty grid"), std::string::npos);
+  const auto negative = openvdb::FloatGrid::create(-1);
+  negative->setName("density");
+  write(file("negative.vdb"), {negative});
+  try {
+    (void)read_vdb(file("negative.vdb"), request);
+    ADD_FAILURE() << "a background that is no density";
+  } catch (const GridFileError& error) {
+    expect_part(error.what(), {"found -1 at voxel (0, 0, 0), the background", "0 or more"});
+  }
 }
 
 TEST_F(VdbFile, ReadsGridsByNameAndNothingElse) {
