@@ -1,5 +1,7 @@
 #include "phase/parameters/one_line.h"
 
+#include <algorithm>
+
 namespace lamella {
 namespace {
 
@@ -24,9 +26,13 @@ std::string one_line(std::string_view text, std::size_t most) {
   std::string line;
   for (std::size_t k = 0; k < text.size();) {
     const char c = text[k];
-    if (c == '\n' || c == '\r' || c == '\t' || c == ' ') {
-      ++k;
-      if (!line.empty() && line.back() != ' ') line += ' ';
+    if (const std::size_t end = std::min(text.find_first_not_of(" \t\r\n", k), text.size());
+        end > k) {
+      // Blanks within a line stay as they are.
+      const std::string_view run = text.substr(k, end - k);
+      const bool ends_line = run.find_first_of("\r\n") != std::string_view::npos;
+      if (!line.empty()) line.append(ends_line ? 1 : std::min(run.size(), most), ' ');
+      k = end;
       continue;
     }
     const std::size_t length = utf8_length(text.substr(k));

@@ -44,6 +44,8 @@ TEST(TextFile, IsReadWholeOrRefusedInBoundedTimeAndMemory) {
 
 TEST(OneLine, JoinsLinesAndCutsWhatIsLong) {
   EXPECT_EQ(one_line("a\n  b\tc\r\n"), "a b c");
+  EXPECT_EQ(one_line("  \"0  45\" \n"), "\"0  45\"");
+  EXPECT_LE(one_line("x" + std::string(1000, ' ') + "x", 10).size(), 10u);
   EXPECT_EQ(one_line("\x1b[1mred\x01"), "?[1mred?");
   EXPECT_EQ(one_line("gr\xc3\xbc\xc3\x9f"), "gr\xc3\xbc\xc3\x9f");
   EXPECT_EQ(one_line("\xff\xfe x"), "?? x");
