@@ -29,6 +29,32 @@ Medium remade(const Layer& layer, std::optional<double> roughness, bool axis_alo
   return find_medium(layer.medium_name)->make(p);
 }
 
+// What the layer wants of its .vdb file.
+VdbRequest request_of(const Layer& layer) {
+  const GridReference& grid = *layer.grid;
+  VdbRequest request;
+  for (std::size_t k = 0; k < grid.names.size(); ++k)
+    if (!grid.names[k].empty()) {
+      request.names[k] = grid.names[k];
+      request.required[k] = true;
+    }
+  request.voxels = grid.voxels;
+  request.first_voxel = grid.first_voxel;
+  request.size = Vec3<double>{grid.size_x, grid.size_y, layer.thickness};
+  return request;
+}
+
+// Equal for equal files and requests.
+std::string description(const Layer& layer) {
+  const VdbRequest r = request_of(layer);
+  std::string text = layer.grid->folder + '\n' + layer.grid->file;
+  for (std::size_t k = 0; k < r.names.size(); ++k)
+    text += fmt::format("\n{}{}", r.required[k] ? '+' : '-', r.names[k]);
+  const VoxelIndex n = r.voxels.value_or(VoxelIndex{});
+  return text + fmt::format("\n{} {} {} {} {} {} {} {} {}", n[0], n[1], n[2], r.first_voxel[0],
+                            r.first_voxel[1], r.first_voxel[2], r.size->x, r.size->y, r.size->z);
+}
+
 bool is_particle(const Layer& layer) { return !traits(layer.medium).has_axis; }
 
 // The smallest cone about the two cones' middles that is easy to find: about their sum.
