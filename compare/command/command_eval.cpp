@@ -191,8 +191,8 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   } else {
     const Plan plan = plan_of(request);
     for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
-    truth = truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed,
-                     &user_interrupt);
+    truth =
+        truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed, &user_interrupt);
   }
   for (const TruthValue& v : truth) {
     answer.f.push_back(v.f);
