@@ -225,7 +225,9 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
   write_exr(folder + "/truth.exr", simulation_image(request, runs));
   Json details = page_details(runs, judged);
   if (previewed && !user_interrupt) {
-    const LobeTable lobes = LobeTable::make(preview_request(request), &user_interrupt);
+    const RunMonitor monitor = terminal_monitor(options);
+    const LobeTable lobes = LobeTable::make(preview_request(request), monitor.stop, monitor.solver);
+    if (monitor.finished) monitor.finished();
     const PreviewLighting lighting;
     const std::vector<PreviewResult> views =
         preview_views(lobes, models, names, lighting, options.size, &user_interrupt);

@@ -20,6 +20,7 @@
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/point_truth.h"
+#include "phase/math/larger_error.h"
 #include "phase/medium/media.h"
 #include "phase/stack/builtin_stacks.h"
 
@@ -116,7 +117,7 @@ void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSol
   double worst = 0;
   for (const TruthValue& v : truth)
     for (int c = 0; c < 3; ++c)
-      if (v.f[c] != 0) worst = std::max(worst, v.standard_error[c] / std::abs(v.f[c]));
+      if (v.f[c] != 0) worst = larger_error(worst, v.standard_error[c] / std::abs(v.f[c]));
   const DeterministicAccuracy& a = solution.accuracy();
   if (worst > tolerance && !a.reached)
     fmt::print(stderr,
@@ -183,14 +184,24 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   CsvAnswer answer;
   answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
   catch_interrupts();
-  const EstimatorChoice choice = choose_estimator(request, Estimator::next_event, &user_interrupt);
+  const RunMonitor monitor = terminal_monitor(options);
+  const EstimatorChoice choice =
+      choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver);
   std::vector<TruthValue> truth;
-  if (choice.solution) {
-    truth = truth_at(*choice.solution, pairs.pairs);
+  bool solved = choice.solution != nullptr;
+  if (solved) {
+    truth = truth_at(*choice.solution, pairs.pairs, monitor.solver);
+    if (const auto reason = why_no_answer(truth)) {
+      if (request.estimator) refuse_answer(*stack, *reason);
+      solved = false;
+    }
+  }
+  if (monitor.finished) monitor.finished();
+  if (solved) {
     warn_of_bounds(truth, *choice.solution, request.tolerance);
   } else {
     const Plan plan = plan_of(request);
-    for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
+    for (const std::string& warning : plan.warnings) monitor.warn(warning);
     truth =
         truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed, &user_interrupt);
   }
@@ -200,7 +211,7 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   }
   if (user_interrupt)
     fmt::print(stderr, "lamella: interrupted: {} than asked for, see se\n",
-               choice.solution ? "a coarser solution" : "fewer walks");
+               solved ? "a coarser solution" : "fewer walks");
   return answer;
 }
 

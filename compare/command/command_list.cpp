@@ -65,7 +65,10 @@ int explain_command(const Options& options) {
   if (stack.grains() && !GrainScene::is_available())
     add({"Embree", "missing: simulate, compare and furnace refuse this stack",
          "built with -DLAMELLA_EMBREE=OFF"});
-  const EstimatorChoice choice = choose_estimator(request, Estimator::analog, nullptr);
+  const RunMonitor monitor = terminal_monitor(options);
+  const EstimatorChoice choice =
+      choose_estimator(request, Estimator::analog, monitor.stop, monitor.solver);
+  if (monitor.finished) monitor.finished();
   add({"estimator", "auto: " + to_text(choice.estimator), choice.reason});
   add({"of walks", "analog for lobes, next-event for furnaces and for truth at points",
        "analog counts every cell at the price of one; a furnace needs an estimate apart from the "

@@ -40,8 +40,9 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
   const std::vector<BoundModel> models = models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
   make_output_folder(folder);
-  catch_interrupts();
-  const LobeTable table = LobeTable::make(request, &user_interrupt);
+  const RunMonitor monitor = terminal_monitor(options);
+  const LobeTable table = LobeTable::make(request, monitor.stop, monitor.solver);
+  if (monitor.finished) monitor.finished();
   std::FILE* out = table_stream(options);
   if (!options.quiet) fmt::print(out, "{}: truth by {}\n", stack.name, table.source());
   const std::vector<PreviewResult> views =

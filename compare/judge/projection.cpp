@@ -4,6 +4,7 @@
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
+#include <stdexcept>
 
 #include "analytic/model/stochastic_model.h"
 #include "volume/run/simulation.h"
@@ -115,6 +116,12 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
       if (done) break;
     }
   });
+
+  // A comparison would take what is no number for no difference.
+  for (const Values& cell : coarse)
+    for (const Rgb& f : cell)
+      if (!std::isfinite(f.r + f.g + f.b))
+        throw std::domain_error(info.name + ": its mean over a cell is not finite");
 
   ProjectedLobes result;
   result.has[kOrders] = true;

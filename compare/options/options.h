@@ -20,7 +20,7 @@ struct Options {
   std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
   std::optional<std::uint32_t> thin_from{};  ///< likewise, Thinning::first
   std::vector<WalkSetting> walk_settings{};  ///< which of the five above were given
-  double tolerance = 1e-6;                   ///< of the deterministic solver
+  double tolerance = 1e-4;                   ///< of the deterministic solver
   std::string grid = "16x32";
   std::string estimator = "auto";
   std::uint64_t seed = 1;

@@ -4,10 +4,35 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <string>
 
 #include "compare/request/interrupt.h"
 
 namespace lamella {
+
+namespace {
+
+using SolverClock = std::chrono::steady_clock;
+
+// "solver: 32 nodes, 24 modes so far, coarser ones reach 3.1e-04, 2 s"
+std::string solver_text(const SolverProgress& p) {
+  switch (p.task) {
+    case SolverProgress::Task::cells:
+      return fmt::format("solver: {} nodes reach {:.1e}; cells {:.0f} %, {:.0f} s", p.nodes,
+                         p.error, 100 * p.share, p.seconds);
+    case SolverProgress::Task::pairs:
+      return fmt::format("solver: {} nodes reach {:.1e}; pairs {:.0f} %, {:.0f} s", p.nodes,
+                         p.error, 100 * p.share, p.seconds);
+    case SolverProgress::Task::nodes:
+      break;
+  }
+  return fmt::format("solver: {} nodes, {} modes so far{}, {:.0f} s", p.nodes, p.modes,
+                     p.error < 1 ? fmt::format(", coarser ones reach {:.1e}", p.error) : "",
+                     p.seconds);
+}
+
+}  // namespace
 
 std::FILE* table_stream(const Options& options) { return options.json == "-" ? stderr : stdout; }
 
@@ -24,6 +49,13 @@ RunMonitor terminal_monitor(const Options& options) {
     if (seconds) left = std::min(left, std::max(0.0, *seconds - p.seconds));
     fmt::print(stderr, "\r{}: {:.3g} of {:.3g} walks, {:.3g}/s, {:.0f} s left \x1b[K", label,
                static_cast<double>(p.walks), static_cast<double>(p.of_walks), rate, left);
+    std::fflush(stderr);
+  };
+  monitor.solver = [next = SolverClock::now()](const SolverProgress& p) mutable {
+    const SolverClock::time_point now = SolverClock::now();
+    if (now < next) return;
+    next = now + std::chrono::milliseconds(200);
+    fmt::print(stderr, "\r{}\x1b[K", solver_text(p));
     std::fflush(stderr);
   };
   monitor.finished = [] { fmt::print(stderr, "\r\x1b[K"); };

@@ -5,6 +5,7 @@
 
 #include "compare/request/interrupt.h"
 #include "volume/run/simulation.h"
+#include "volume/solver/deterministic.h"
 
 namespace lamella {
 
@@ -14,7 +15,9 @@ struct RunMonitor {
   const StopFlag* stop = nullptr;
   /// How far walks have got, at every checkpoint. `label`: of the run, "theta_i 30".
   std::function<void(const std::string& label, const Progress&)> progress{};
-  /// A run that told its progress is over.
+  /// What the solver is doing, every now and then.
+  SolverReport solver{};
+  /// A run that told its progress, or a solution, is over.
   std::function<void()> finished{};
   /// One line where less was reached than was asked for, or where a setting means nothing.
   std::function<void(const std::string& message)> warning{};

@@ -36,7 +36,7 @@ struct TruthRequest {
   /// The settings above that were asked for by name: with the estimator left open they are a reason
   /// for walks.
   std::vector<WalkSetting> given{};
-  double tolerance = 1e-6;  ///< of the solver, relative to the mean over the azimuth
+  double tolerance = 1e-4;  ///< of the solver, relative to the mean over the azimuth
   /// Of a run that is repeated: where the solver's refinement ended, be it by the clock.
   struct SolverEnd {
     int nodes;

@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "compare/request/errors.h"
+#include "phase/math/larger_error.h"
 #include "phase/parameters/parameters.h"
+#include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic_run.h"
 
 namespace lamella {
@@ -21,6 +23,11 @@ constexpr double kRefinedShare = 0.1;
 
 std::string cost_of(const DeterministicAccuracy& a) {
   return fmt::format("{:.1e} with {} nodes and {} modes", a.error, a.nodes, a.modes);
+}
+
+// What the walks of the request leave of an energy at best; of a cell they leave more.
+double error_of_walks(const TruthRequest& request) {
+  return 1 / std::sqrt(static_cast<double>(request.effort.walks));
 }
 
 // A repeated run takes no notice of the clock: it goes as far as the first one went.
@@ -42,17 +49,19 @@ void check_estimator(const TruthRequest& request) {
 }
 
 EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
-                                 const StopFlag* stop) {
+                                 const StopFlag* stop, const SolverReport& report) {
   const Stack& stack = request.stack;
   if (request.estimator && *request.estimator != Estimator::deterministic)
     return {*request.estimator, "asked for", nullptr};
   check_estimator(request);
-  DeterministicOptions solver{.tolerance = kSolverShare * request.tolerance, .stop = stop};
+  DeterministicOptions solver{
+      .tolerance = kSolverShare * request.tolerance, .stop = stop, .report = report};
   if (request.estimator == Estimator::deterministic) {
     solver.max_seconds = request.effort.seconds.value_or(kSeconds);
     end_where_it_ended(solver, request);
     const auto solution =
         std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
+    if (const auto reason = why_no_answer(solution->accuracy())) refuse_answer(stack, *reason);
     return {Estimator::deterministic, "asked for", solution};
   }
   if (!request.given.empty())
@@ -65,15 +74,49 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
   const auto solution =
       std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
   const DeterministicAccuracy& reached = solution->accuracy();
+  if (const auto reason = why_no_answer(reached))
+    return {of_walks, "the solver has no answer: " + *reason, nullptr};
   if (reached.reached) return {Estimator::deterministic, reached_by(*solution), solution};
   // A walk would keep no more than its first checkpoint of one direction.
   if (reached.limit == DeterministicLimit::interrupted && reached.error < 1)
     return {Estimator::deterministic, reached_by(*solution) + ", when it was interrupted",
             solution};
+  const std::string short_of = fmt::format("short of --tolerance {}", to_text(request.tolerance));
+  const double of_walks_at_best = error_of_walks(request);
+  const std::string walks_leave =
+      fmt::format("{:.0e} walks leave {:.0e} of an energy at best",
+                  static_cast<double>(request.effort.walks), of_walks_at_best);
+  if (reached.error <= of_walks_at_best)
+    return {Estimator::deterministic,
+            fmt::format("{}, {}; {}", reached_by(*solution), short_of, walks_leave), solution};
   return {of_walks,
-          fmt::format("the solver reaches no more than {}, short of --tolerance {}",
-                      cost_of(reached), to_text(request.tolerance)),
+          fmt::format("the solver reaches no more than {}, {}; {}", cost_of(reached), short_of,
+                      walks_leave),
           nullptr};
+}
+
+void refuse_answer(const Stack& stack, const std::string& reason) {
+  throw NoAnswerError(fmt::format(
+      "--estimator deterministic: the solver has no answer for {}: {}; allowed: auto, analog, "
+      "next-event",
+      stack.name, reason));
+}
+
+std::optional<std::string> why_walks_are_better(const std::vector<RunResult>& solved,
+                                                const TruthRequest& request) {
+  double worst = 0;
+  for (const RunResult& run : solved) {
+    if (auto reason = why_no_answer(run)) return "the solver has no answer: " + *reason;
+    worst = larger_error(worst, run.accuracy->error);
+  }
+  if (solved.empty() || worst <= request.tolerance) return std::nullopt;
+  // Of a cell, were the light spread evenly over all of them.
+  const double of_walks =
+      error_of_walks(request) * std::sqrt(static_cast<double>(solved.front().grid.cells()));
+  if (worst <= of_walks) return std::nullopt;
+  return fmt::format(
+      "the solver reaches no more than {:.1e} in cells, where {:.0e} walks leave {:.0e}", worst,
+      static_cast<double>(request.effort.walks), of_walks);
 }
 
 std::string reached_by(const DeterministicSolution& solution) {
@@ -81,10 +124,12 @@ std::string reached_by(const DeterministicSolution& solution) {
 }
 
 std::shared_ptr<const DeterministicSolution> refined(const TruthRequest& request,
-                                                     const StopFlag* stop) {
+                                                     const StopFlag* stop,
+                                                     const SolverReport& report) {
   DeterministicOptions solver{.tolerance = kRefinedShare * request.tolerance,
                               .max_seconds = request.effort.seconds.value_or(kSeconds),
-                              .stop = stop};
+                              .stop = stop,
+                              .report = report};
   end_where_it_ended(solver, request);
   return std::make_shared<const DeterministicSolution>(solve_deterministic(request.stack, solver));
 }

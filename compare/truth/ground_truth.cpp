@@ -9,6 +9,8 @@
 #include "compare/request/interrupt.h"
 #include "compare/truth/pilot.h"
 #include "phase/math/degrees.h"
+#include "phase/math/larger_error.h"
+#include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic_run.h"
 
 namespace lamella {
@@ -27,7 +29,7 @@ void warn_of_accuracy(const RunResult& run, double tolerance, const RunMonitor& 
 
 double worst_bound(const std::vector<RunResult>& solved) {
   double worst = 0;
-  for (const RunResult& run : solved) worst = std::max(worst, run.accuracy->error);
+  for (const RunResult& run : solved) worst = larger_error(worst, run.accuracy->error);
   return worst;
 }
 
@@ -62,38 +64,56 @@ GroundTruth::GroundTruth(TruthRequest request, Estimator of_walks, RunMonitor mo
 
 const EstimatorChoice& GroundTruth::choice() {
   if (choice_) return *choice_;
-  const bool open = !request_.estimator;
-  choice_ = choose_estimator(request_, of_walks_, monitor_.stop);
+  choice_ = choose_estimator(request_, of_walks_, monitor_.stop, monitor_.solver);
+  if (choice_->solution) solve_cells();
+  if (monitor_.finished) monitor_.finished();
   // A number of walks is an effort by itself; where time or error is, the cheaper walks win.
-  if (open && !choice_->solution && of_walks_ == Estimator::analog &&
+  if (!request_.estimator && !choice_->solution && of_walks_ == Estimator::analog &&
       (request_.effort.seconds || request_.effort.target_error)) {
     const Pilot found = pilot(request_, plan_, directions()[directions().size() / 2]);
     choice_->estimator = found.best;
     choice_->reason += "; " + to_text(found);
   }
-  if (choice_->solution) {
-    for (const WalkSetting setting : request_.given)
-      if (setting != WalkSetting::seconds)
-        monitor_.warn(to_text(setting) + " means nothing to the deterministic estimator");
-    const auto solve = [&](const DeterministicSolution& solution) {
-      return deterministic_runs(solution, plan_, directions(), request_.cells, request_.tolerance,
-                                monitor_.stop);
-    };
-    solved_ = solve(*choice_->solution);
-    if (worst_bound(solved_) > request_.tolerance && choice_->solution->accuracy().reached &&
-        !is_stopped()) {
-      const std::shared_ptr<const DeterministicSolution> finer = refined(request_, monitor_.stop);
-      // An interrupt may have left it coarser than what is there.
-      if (finer->accuracy().limit != DeterministicLimit::interrupted) {
-        choice_->solution = finer;
-        solved_ = solve(*choice_->solution);
-        if (open) choice_->reason = reached_by(*choice_->solution);
-      }
-    }
-    if (open && worst_bound(solved_) > request_.tolerance)
-      choice_->reason += fmt::format(", but no more than {:.1e} in cells", worst_bound(solved_));
-  }
   return *choice_;
+}
+
+void GroundTruth::solve_cells() {
+  const bool open = !request_.estimator;
+  for (const WalkSetting setting : request_.given)
+    if (setting != WalkSetting::seconds)
+      monitor_.warn(to_text(setting) + " means nothing to the deterministic estimator");
+  const auto solve = [&](const DeterministicSolution& solution) {
+    return deterministic_runs(solution, plan_, directions(), request_.cells, request_.tolerance,
+                              monitor_.stop, monitor_.solver);
+  };
+  solved_ = solve(*choice_->solution);
+  if (!(worst_bound(solved_) <= request_.tolerance) && choice_->solution->accuracy().reached &&
+      !is_stopped()) {
+    const std::shared_ptr<const DeterministicSolution> finer =
+        refined(request_, monitor_.stop, monitor_.solver);
+    // An interrupt may have left it coarser than what is there, or it has no answer.
+    if (finer->accuracy().limit != DeterministicLimit::interrupted &&
+        finer->accuracy().is_answer()) {
+      choice_->solution = finer;
+      solved_ = solve(*choice_->solution);
+      if (open) choice_->reason = reached_by(*choice_->solution);
+    }
+  }
+  if (!open) {
+    for (const RunResult& run : solved_)
+      if (const auto reason = why_no_answer(run)) refuse_answer(request_.stack, *reason);
+    return;
+  }
+  const auto reason = why_walks_are_better(solved_, request_);
+  // A stopped walk would keep less than a solution with wide bounds does, but not less than none.
+  if (reason && (!is_stopped() || std::any_of(solved_.begin(), solved_.end(), [](const auto& run) {
+        return why_no_answer(run).has_value();
+      }))) {
+    choice_ = EstimatorChoice{of_walks_, *reason, nullptr};
+    solved_.clear();
+  } else if (worst_bound(solved_) > request_.tolerance) {
+    choice_->reason += fmt::format(", but no more than {:.1e} in cells", worst_bound(solved_));
+  }
 }
 
 bool GroundTruth::goes_on(std::size_t k) const {

@@ -47,6 +47,9 @@ class GroundTruth {
   [[nodiscard]] Truth find(std::size_t k, std::optional<std::uint64_t> walks = {});
 
  private:
+  // The cells of the choice's solution, or walks in its place where they are better.
+  void solve_cells();
+
   TruthRequest request_;
   Estimator of_walks_;
   RunMonitor monitor_;

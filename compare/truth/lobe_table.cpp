@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "compare/request/errors.h"
 #include "compare/truth/estimator_choice.h"
 #include "phase/stack/single_scattering.h"
+#include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {
 namespace {
 
 constexpr double kTolerance = 1e-4;  // of the solver: far below the interpolation's error
+constexpr double kWorst = 1e-2;      // error beyond which walks are as good
 
 struct Place {
   int node;
@@ -67,10 +70,16 @@ Rgb LobeTable::operator()(Direction wi, Direction wo) const {
   return first.layers + first.substrate + rest;
 }
 
-void LobeTable::solve(const Stack& stack) {
+std::optional<std::string> LobeTable::solve(const Stack& stack, double worst, const StopFlag* stop,
+                                            const SolverReport& report) {
   DeterministicOptions options;
   options.tolerance = kTolerance;
+  options.stop = stop;
+  options.report = report;
   const DeterministicSolution solution = solve_deterministic(stack, options);
+  if (auto reason = why_no_answer(solution.accuracy())) return reason;
+  if (solution.accuracy().error > worst)
+    return fmt::format("its error is {:.1e}", solution.accuracy().error);
   std::vector<double> mu;
   for (int k = 0; k < kMuNodes; ++k) mu.push_back(node_mu(k));
   const DeterministicField field = solution.field(mu, mu);
@@ -81,7 +90,11 @@ void LobeTable::solve(const Stack& stack) {
                           .multiple(static_cast<std::size_t>(i), static_cast<std::size_t>(o),
                                     kPi - node_phi(p))
                           .order[4];
+  if (!std::all_of(values_.begin(), values_.end(),
+                   [](const Rgb& f) { return std::isfinite(f.r + f.g + f.b); }))
+    return "its numbers are not finite";
   source_ = fmt::format("adding and doubling, tolerance {:g}", kTolerance);
+  return std::nullopt;
 }
 
 void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
@@ -112,16 +125,21 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
                         kMuNodes);
 }
 
-LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop) {
+LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
+                          const SolverReport& report) {
   LobeTable table;
   table.stack_ = request.stack;
   table.values_.resize(static_cast<std::size_t>(kMuNodes) * kMuNodes * kPhiNodes);
   check_estimator(request);
   const bool solvable = !why_not_deterministic(request.stack) && request.given.empty();
-  if (request.estimator == Estimator::deterministic || (solvable && !request.estimator))
-    table.solve(request.stack);
-  else
-    table.walk(request, stop);
+  const bool must = request.estimator == Estimator::deterministic;
+  if (must || (solvable && !request.estimator)) {
+    const double worst = must ? std::numeric_limits<double>::infinity() : kWorst;
+    const auto reason = table.solve(request.stack, worst, stop, report);
+    if (!reason) return table;
+    if (must) refuse_answer(request.stack, *reason);
+  }
+  table.walk(request, stop);
   return table;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "compare/request/interrupt.h"
 #include "compare/request/truth_request.h"
+#include "volume/solver/deterministic.h"
 
 namespace lamella {
 
@@ -22,7 +24,8 @@ class LobeTable {
 
   /// By adding and doubling where that applies, else by as many next-event walks per incoming node
   /// as are asked for. For stacks that `check_preview` lets pass. `stop` ends each node early.
-  [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop);
+  [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop,
+                                      const SolverReport& report = {});
 
   static constexpr int kMuNodes = 24, kPhiNodes = 25;
   static constexpr double kLeastMu = 0.01;
@@ -36,7 +39,9 @@ class LobeTable {
   [[nodiscard]] Rgb at(int i, int o, int p) const {
     return values_[(static_cast<std::size_t>(i) * kMuNodes + o) * kPhiNodes + p];
   }
-  void solve(const Stack& stack);
+  // Why the solver has no answer, if it has none, or one whose error is above `worst`.
+  std::optional<std::string> solve(const Stack& stack, double worst, const StopFlag* stop,
+                                   const SolverReport& report);
   void walk(const TruthRequest& request, const StopFlag* stop);
 
   Stack stack_;

@@ -1,6 +1,9 @@
 #include "compare/truth/point_truth.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -77,7 +80,9 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
 }
 
 std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
-                                 const std::vector<DirectionPair>& pairs) {
+                                 const std::vector<DirectionPair>& pairs,
+                                 const SolverReport& report) {
+  const auto start = std::chrono::steady_clock::now();
   // A field holds every pair of its cosines: few at a time, sorted so that pairs share them.
   constexpr std::size_t kCosines = 64;
   const Stack& stack = solution.stack();
@@ -92,7 +97,18 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
   };
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return cosines(a) < cosines(b); });
+  const auto tell = [&](std::size_t done) {
+    if (report)
+      report({.task = SolverProgress::Task::pairs,
+              .nodes = solution.accuracy().nodes,
+              .modes = solution.accuracy().modes,
+              .error = solution.accuracy().error,
+              .share = static_cast<double>(done) / static_cast<double>(order.size()),
+              .seconds =
+                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+  };
   for (std::size_t from = 0; from < order.size();) {
+    tell(from);
     std::map<double, std::size_t> in, out;
     std::size_t to = from;
     for (; to < order.size(); ++to) {
@@ -108,6 +124,7 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
     for (const auto& [mu, place] : out) mu_o[place] = mu;
     const DeterministicField field = solution.field(mu_i, mu_o);
     for (; from < to; ++from) {
+      tell(from);
       const Direction wi = with_grazing_limit(pairs[order[from]].wi);
       const Direction wo = with_grazing_limit(pairs[order[from]].wo);
       const DeterministicValue multiple =
@@ -117,6 +134,21 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
     }
   }
   return values;
+}
+
+std::optional<std::string> why_no_answer(const std::vector<TruthValue>& values) {
+  constexpr double kRounding = 1e-12;  // of the brightest pair
+  double brightest = 0;
+  for (const TruthValue& v : values) brightest = std::max(brightest, v.f.max());
+  for (const TruthValue& v : values)
+    for (int c = 0; c < 3; ++c) {
+      const double f = v.f[c], bound = v.standard_error[c];
+      if (!std::isfinite(f) || !std::isfinite(bound)) return "its numbers are not finite";
+      if (f < -bound - kRounding * brightest)
+        return fmt::format("f is {:.3g} at a pair, below 0 by more than its bound, {:.1e}", f,
+                           bound);
+    }
+  return std::nullopt;
 }
 
 }  // namespace lamella

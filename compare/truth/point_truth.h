@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "analytic/model/model.h"
@@ -28,7 +30,13 @@ struct TruthValue {
 
 /// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
 /// own cosines. standard_error is each pair's error bound.
+/// `report`, where there is one, is told after each pair.
 [[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
-                                               const std::vector<DirectionPair>& pairs);
+                                               const std::vector<DirectionPair>& pairs,
+                                               const SolverReport& report = {});
+
+/// Why the solver's values are no answer, if they are none: a value or a bound that is not finite,
+/// or a value that is below 0 by more than its bound.
+[[nodiscard]] std::optional<std::string> why_no_answer(const std::vector<TruthValue>& values);
 
 }  // namespace lamella

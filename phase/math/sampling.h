@@ -33,20 +33,29 @@ template <class Real>
   return select(l2 > Real(0), reciprocal_sqrt(l2) * v, n);
 }
 
-/// The direction that makes the given cosine with the unit vector axis, in the frame of
-/// frame_around(axis) at the azimuth with that sine and cosine.
+/// The direction at that polar angle from the unit vector axis, in the frame of frame_around(axis)
+/// at the azimuth with that sine and cosine. Rounding moves it by 2e-16, however small the sine is.
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, SineCosine<Real> polar,
+                                                            SineCosine<Real> azimuth) {
+  using std::copysign;
+  // The frame's vectors times the local coordinates, multiplied out.
+  const Real sign = copysign(Real(1), axis.z);
+  const Real x = polar.sine * azimuth.cosine, y = polar.sine * azimuth.sine;
+  const Real flat = multiply_add(sign * x, axis.x, y * axis.y);
+  const Real along = polar.cosine - flat * reciprocal(sign + axis.z);
+  return renormalized(Vec3<Real>{multiply_add(axis.x, along, x),
+                                 multiply_add(axis.y, along, sign * y),
+                                 polar.cosine * axis.z - flat});
+}
+
+/// The same by the polar angle's cosine alone.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine,
                                                             SineCosine<Real> azimuth) {
-  using std::copysign, std::sqrt;
+  using std::sqrt;
   const Real s = sqrt(nonnegative(multiply_add(-cosine, cosine, Real(1))));
-  // The frame's vectors times the local coordinates, multiplied out.
-  const Real sign = copysign(Real(1), axis.z);
-  const Real x = s * azimuth.cosine, y = s * azimuth.sine;
-  const Real flat = multiply_add(sign * x, axis.x, y * axis.y);
-  const Real along = cosine - flat * reciprocal(sign + axis.z);
-  return renormalized(Vec3<Real>{multiply_add(axis.x, along, x),
-                                 multiply_add(axis.y, along, sign * y), cosine * axis.z - flat});
+  return deflect(axis, SineCosine<Real>{s, cosine}, azimuth);
 }
 
 /// Likewise at azimuth 2 pi u.

@@ -45,7 +45,7 @@ class SolverAndWalk(ProgramTest):
             self.assertEqual(len(walk["runs"]), len(solved["runs"]))
             for a, b in zip(walk["runs"], solved["runs"]):
                 self.assertTrue(b["accuracy"]["reached"])
-                self.assertLessEqual(b["accuracy"]["error"], 1e-6)
+                self.assertLessEqual(b["accuracy"]["error"], 1e-4)
                 expected = energies(b)
                 for what, values in energies(a).items():
                     for (f, noise), (exact, bound) in zip(values, expected[what]):
@@ -119,25 +119,24 @@ class WhatAutoDecides(ProgramTest):
         self.assertEqual((answer["estimator"], answer["estimator_asked"]),
                          ("deterministic", "auto"))
         self.assertIn("nodes", answer["estimator_reason"])
-        self.assertEqual(answer["tolerance"], 1e-6)
+        self.assertEqual(answer["tolerance"], 1e-4)
 
     def test_the_cells_of_mirrors_hold_what_it_says(self):
-        # The default stack and tolerance, with grazing light, where the modes of order 2 are most.
+        # The default stack with grazing light, where the modes of order 2 are most.
         stack = ("simulate", "spongecake_two_layer", "--wi", "30", "--wi", "80", "--grid", "4x8",
-                 "--json", "-", "--quiet")
+                 "--tolerance", "1e-6", "--json", "-", "--quiet")
         solved = self.lamella(*stack, "--estimator", "deterministic", "--time", "600")
         self.assertEqual(solved.err, "")
         for run in solved.json()["runs"]:
             self.assertTrue(run["accuracy"]["reached"])
             self.assertLessEqual(run["accuracy"]["error"], 1e-6)
         # auto does the same, or says what a slow machine left undone.
-        auto = self.lamella(*stack)
-        self.assertEqual(auto.err, "")
-        parsed = auto.json()
+        parsed = self.lamella(*stack).json()
         if parsed["estimator"] == "deterministic":
             self.assertIn("the solver reaches", parsed["estimator_reason"])
             for run in parsed["runs"]:
-                self.assertLessEqual(run["accuracy"]["error"], 1e-6)
+                if "short of" not in parsed["estimator_reason"]:
+                    self.assertLessEqual(run["accuracy"]["error"], 1e-6)
         else:
             self.assertIn("the solver reaches no more than", parsed["estimator_reason"])
 
@@ -165,6 +164,43 @@ class WhatAutoDecides(ProgramTest):
         answer = self.lamella("simulate", "lambert_sphere_halfspace", *SOLVER, "--walks", "2000",
                               "--grid", "4x8", "--quiet")
         self.assertIn("--walks means nothing", answer.err)
+
+
+class WhereTheSolverHasNoAnswer(ProgramTest):
+    # White stacks whose peaks no affordable number of nodes holds: R = 1, or R + T = 1.
+    STACKS = {
+        "forward.toml": '[[layer]]\nmedium = "henyey_greenstein"\ng = 0.999\nthickness = inf\n',
+        "fibers.toml": '[[layer]]\nmedium = "sggx"\nshape = "fiber"\naxis = [0, 0, 1]\n'
+                       'roughness = 0.001\nthickness = 1e3\n',
+    }
+
+    def test_auto_walks_and_says_so(self):
+        for name, text in self.STACKS.items():
+            self.write(name, text)
+            answer = self.json_of("simulate", name, "--wi", "45", "--grid", "4x8", "--quiet")
+            self.assertNotEqual(answer["estimator"], "deterministic", name)
+            self.assertIn("the solver has no answer", answer["estimator_reason"])
+            run, = answer["runs"]
+            for what, values in energies(run).items():
+                for value, error in values:
+                    self.assertTrue(-5 * error - 1e-9 <= value <= 1 + 5 * error + 1e-9,
+                                    (name, what, value, error))
+
+    def test_the_solver_by_name_ends_with_one_line_and_status_3(self):
+        for name, text in self.STACKS.items():
+            self.write(name, text)
+            answer = self.lamella("simulate", name, "--wi", "45", "--grid", "4x8", *SOLVER, "--time",
+                                  "5", status=3)
+            self.assertEqual(answer.err.count("\n"), 1, answer.err)
+            self.assertIn("--estimator deterministic: the solver has no answer", answer.err)
+            self.assertIn("allowed: auto, analog, next-event", answer.err)
+
+    def test_what_was_reached_is_kept_where_walks_would_leave_more(self):
+        answer = self.json_of("simulate", "lambert_sphere_halfspace", "--wi", "30", "--grid", "4x8",
+                              "--tolerance", "1e-15", "--quiet")
+        self.assertEqual(answer["estimator"], "deterministic")
+        self.assertIn("short of --tolerance 1e-15", answer["estimator_reason"])
+        self.assertIn("walks leave", answer["estimator_reason"])
 
 
 class WhereTheToleranceIsNotReached(ProgramTest):

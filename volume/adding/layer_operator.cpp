@@ -120,6 +120,13 @@ OperatorSide one_side(const OperatorSide& near_front, const OperatorSide& near_b
   return result;
 }
 
+// Whether nothing at all crosses: then more of the same behind it changes nothing.
+bool is_opaque(const OperatorSide& side) {
+  return side.direct_in.isZero(0) && side.direct_out.isZero(0) &&
+         std::all_of(side.t.begin(), side.t.end(),
+                     [](const MatrixXd& t) { return (t.array() == 0).all(); });
+}
+
 }  // namespace
 
 LayerOperator add_layers(const LayerOperator& top, const LayerOperator& bottom,
@@ -164,8 +171,10 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
   const double start = thin_start(depth);
   double thickness = infinite ? start / steepest : depth;
   int doublings = infinite ? 200 : 0;
-  if (!infinite && thickness * steepest > start) {
-    doublings = static_cast<int>(std::ceil(std::log2(thickness * steepest / start)));
+  // In logarithms: the optical depth along the steepest node may be beyond all numbers.
+  const double halvings = std::log2(depth) + std::log2(steepest) - std::log2(start);
+  if (!infinite && halvings > 0) {
+    doublings = static_cast<int>(std::ceil(halvings));
     thickness = std::ldexp(depth, -doublings);
   }
   LayerOperator layer = thin_layer(scattering, thickness, rules);
@@ -177,6 +186,7 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
     layer.above = std::move(above);
     thickness *= 2;
     set_direct(layer, scattering, thickness, rules.sets);
+    if (is_opaque(layer.above) && (scattering.two_sided || is_opaque(layer.below))) break;
     if (!infinite) continue;
     // At albedo 1 what is missing falls like 1 / thickness only. In irradiance: between grazing
     // nodes f itself is large.

@@ -28,9 +28,26 @@ StackModes::StackModes(const Stack& stack, int channel, DirectionSets sets, int 
   }
 }
 
+namespace {
+
+constexpr int kFirstModes = 8;
+
+}  // namespace
+
 void StackModes::prepare(int modes) {
-  if (modes <= ready_) return;
-  ready_ = std::max(modes, std::max(8, 2 * ready_));
+  if (modes > ready_) make_kernels(std::max(modes, std::max(kFirstModes, 2 * ready_)));
+}
+
+bool StackModes::prepare_more(std::size_t max_bytes) {
+  int modes = std::max(kFirstModes, 2 * ready_);
+  if (bytes_of(modes) > max_bytes) modes = static_cast<int>(max_bytes / bytes_of(1));
+  if (modes <= ready_) return false;
+  make_kernels(modes);
+  return true;
+}
+
+void StackModes::make_kernels(int modes) {
+  ready_ = modes;
   for (Kind& kind : kinds_) {
     kind.scattering.clear();
     kind.scattering.emplace_back(kind.layer->medium, kind.layer->albedo[channel_],

@@ -17,8 +17,14 @@ class StackModes {
   /// orders: how many of the orders 1 to 3 to keep apart.
   StackModes(const Stack& stack, int channel, DirectionSets sets, int orders);
 
-  /// Makes the kernels of at least that many modes. `mode` needs them.
+  /// Makes the kernels of at least that many modes. `mode` needs them. The kernels depend on their
+  /// number in the last digits: steps that are the same on any machine keep results so, too.
   void prepare(int modes);
+  /// Doubles the modes that are ready (8 at first), or adds as many as fit into that memory; false
+  /// where none does.
+  bool prepare_more(std::size_t max_bytes);
+  /// Modes whose kernels are there.
+  [[nodiscard]] int ready() const { return ready_; }
   /// One mode; several may be asked for at once.
   [[nodiscard]] LayerOperator mode(int m) const;
   [[nodiscard]] const DirectionSets& sets() const { return sets_; }
@@ -37,6 +43,8 @@ class StackModes {
     std::size_t kind;
     double depth;
   };
+
+  void make_kernels(int modes);
 
   const Stack& stack_;
   int channel_;

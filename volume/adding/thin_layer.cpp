@@ -79,17 +79,18 @@ OperatorSide thin_side(const LayerScattering& s, int side, double thickness,
       const double x = a[j] + b_back[i];
       const double per = thickness / mi / mo;
       const double back = x < 1 ? per * mean_decay(x) : -std::expm1(-x) / (si * mo + so * mi);
-      double on = per * decay_between(a[j], b_on[i]);
-      if (!std::isfinite(on)) on = 0;
+      // Along directions that are asked for the layer may be opaque: then nothing crosses it, and
+      // infinity times nothing is nothing. The kernel stays out of this.
+      const auto share = [](double value) { return std::isfinite(value) ? value : 0; };
+      const double on = share(per * decay_between(a[j], b_on[i]));
       result.r[1](i, j) = back * kernel[same(side)](i, j);
       result.t[1](i, j) = on * kernel[through(side)](i, j);
       const TwoEvents back2 = two_events(a[j], b_back[i]), on2 = two_events(a[j], b_on[i]);
       const double per2 = per * thickness;
-      const auto order_two = [&](double value) { return std::isfinite(value) ? value : 0; };
-      result.r[2](i, j) = order_two(
-          per2 * (back2.reflected_onward * r_onward(i, j) + back2.reflected_back * r_back(i, j)));
-      result.t[2](i, j) =
-          order_two(per2 * (on2.through_onward * t_onward(i, j) + on2.through_back * t_back(i, j)));
+      result.r[2](i, j) = share(per2 * back2.reflected_onward) * r_onward(i, j) +
+                          share(per2 * back2.reflected_back) * r_back(i, j);
+      result.t[2](i, j) = share(per2 * on2.through_onward) * t_onward(i, j) +
+                          share(per2 * on2.through_back) * t_back(i, j);
     }
   result.r[0] = result.r[1] + result.r[2];
   result.t[0] = result.t[1] + result.t[2];

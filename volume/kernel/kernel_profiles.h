@@ -58,7 +58,11 @@ namespace lamella {
   const double width = size > 0 ? (1 - size) * (1 - size) / size : 1e3;
   const bool forward = g >= 0;
   return Profile{
-      [=](double hxy2, double hz) { return henyey_greenstein_phase(g, 1 - (hxy2 + hz * hz) / 2); },
+      // |h|^2 / 2 = 1 - cosine; rounding must not leave the peak of g < 0 behind.
+      [=](double hxy2, double hz) {
+        const double half = (hxy2 + hz * hz) / 2;
+        return henyey_greenstein_phase_beside(g, forward ? half : std::max(0.0, 2 - half));
+      },
       [=](double mu_i, double mu_o, double gap) {
         const double dz = forward ? mu_i + mu_o : mu_i - mu_o;
         return width + gap + dz * dz;

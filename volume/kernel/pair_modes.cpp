@@ -35,7 +35,9 @@ AzimuthRule make_rule(double b, int modes) {
 }  // namespace
 
 const AzimuthRule& azimuth_rule(double b, int modes) {
-  const int power = static_cast<int>(std::floor(2 * std::log2(std::clamp(b, 1e-8, 2.0))));
+  // Where b is no number, the kernel's values are none either and tell so: any rule will do.
+  const double within = b > 1e-8 ? std::min(b, 2.0) : 1e-8;
+  const int power = static_cast<int>(std::floor(2 * std::log2(within)));
   thread_local std::map<std::pair<int, int>, AzimuthRule> rules;
   const auto it = rules.find({power, modes});
   if (it != rules.end()) return it->second;

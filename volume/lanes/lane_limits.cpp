@@ -8,6 +8,7 @@
 #include "volume/lanes/lane_marginals.h"
 #include "volume/lanes/lane_run.h"
 #include "volume/lanes/lane_setting.h"
+#include "volume/plan/plan.h"
 
 namespace lamella {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kNarrowestHg = 0.97;    // at 0.99 thin layers are off by 5e-5
 constexpr double kMostGrazingPoint = 1e-4;
 constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
 constexpr double kDeepestFromBehind = 100;
-constexpr std::uint64_t kMostTabulatedOrders = 1 << 16;
+constexpr std::uint64_t kMostTabulatedOrders = kThinnedMaxOrder;
 
 // A medium that walks on lanes has an overload here; any other walks in double.
 template <class M>
@@ -88,7 +89,7 @@ std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
     common_albedo = common_albedo && layer.albedo == stack.layers[plan.layers[0]].albedo;
   }
   if (plan.channels == 3 && common_albedo && plan.max_order > kMostTabulatedOrders)
-    return "colour is recombined from orders up to 65536 only";
+    return fmt::format("colour is recombined from orders up to {} only", kMostTabulatedOrders);
   return std::nullopt;
 }
 

@@ -30,18 +30,31 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
   task_.index_stride = static_cast<std::uint32_t>(batches);
   if (!task_.weights && task_.channels > 1) {
     task_.order_cap = static_cast<std::uint32_t>(plan.max_order);
-    for (int c = 0; c < task_.channels; ++c)
-      for (std::uint32_t k = 0; k <= task_.order_cap; ++k) {
-        end_weight_.push_back(std::llround(setting_.weight_after(c, k) * kPointUnits));
-        event_weight_.push_back(
-            static_cast<float>(k == 0 ? 1 : setting_.weight_after(c, k - 1) * setting_.albedo[c]));
-      }
+    for (int c = 0; c < task_.channels; ++c) tabulate_weights(c);
     task_.end_weight = end_weight_.data();
     task_.event_weight = event_weight_.data();
   }
   for (Counts& c : counts_) {
     c.ends.resize(kWalkEnds * (kOrders + 1));
     if (task_.weighs()) c.weights.resize(c.ends.size() * task_.channels);
+  }
+}
+
+void LaneRun::tabulate_weights(int channel) {
+  // Beyond, each event counts the same factor: the roulette has taken over. A power each would take
+  // longer than the walks.
+  constexpr std::uint32_t kPowers = 1 << 16;
+  static_assert(kPowers > kRouletteOrder);
+  const double albedo = setting_.albedo[channel];
+  const double brightest = *std::max_element(setting_.albedo.begin(), setting_.albedo.end());
+  double before = 1, weight = 1;
+  for (std::uint32_t k = 0; k <= task_.order_cap; ++k, before = weight) {
+    if (k <= kPowers)
+      weight = setting_.weight_after(channel, k);
+    else if (albedo != brightest)
+      weight = before * (albedo / brightest);
+    end_weight_.push_back(std::llround(weight * kPointUnits));
+    event_weight_.push_back(static_cast<float>(k == 0 ? 1 : before * albedo));
   }
 }
 

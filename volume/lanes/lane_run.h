@@ -82,6 +82,8 @@ class LaneRun {
   [[nodiscard]] std::vector<std::uint64_t> all_ends(const Counts& counts) const;
   void to_tally(const Counts& counts, BatchTally& tally) const;
   void energies_to_tally(const Counts& counts, BatchTally& tally) const;
+  /// What walks of one channel count by their order, for stacks of one albedo in colour.
+  void tabulate_weights(int channel);
 
   LaneSetting<float> setting_;
   Thinning thinning_;

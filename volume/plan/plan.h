@@ -13,10 +13,9 @@ namespace lamella {
 
 class DensityGrid;
 
-/// Where walks are cut unless something else is asked for: of those that are thinned, which costs
-/// next to nothing then; in colour orders are tabulated so far.
-inline constexpr std::uint64_t kMaxOrder = 1000, kThinnedMaxOrder = 1 << 20,
-                               kThinnedColorMaxOrder = 1 << 16;
+/// Where walks are cut unless something else is asked for: later where they are thinned, which
+/// costs next to nothing then. The brightest channel decides, in colour as well.
+inline constexpr std::uint64_t kMaxOrder = 1000, kThinnedMaxOrder = 1 << 20;
 
 /// What the walk carries for a stack, and nothing else. Made once from the stack; every member may
 /// be widened (grey to three channels, folded to unfolded, ...) without changing the answer, which

@@ -58,7 +58,8 @@ double GrazingMap::slope(double u) const {
 }
 
 double GrazingMap::parameter(double mu) const {
-  if (!(knee_ > 0)) return std::cbrt(mu);
+  // The library's cube root of 1 - 2^-52 is above 1, where cosines would have no sine.
+  if (!(knee_ > 0)) return std::min(1.0, std::cbrt(mu));
   // The map is convex: Newton's method from above falls onto the root.
   double u = std::min(1.0, std::max(std::cbrt(3 * mu / scale_) * knee_, mu + knee_ * (1 - mu)));
   for (int step = 0; step < 60 && u > 0; ++step) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "phase/math/larger_error.h"
 #include "volume/grid_walk/grid_walk.h"
 #include "volume/lanes/lane_run.h"
 
@@ -284,7 +285,7 @@ RunResult reduce(const Simulation& simulation) {
 double largest_relative_error(const Simulation& simulation) {
   double largest = 0;
   const auto consider = [&](const Estimate& e) {
-    if (e.value > 1e-3) largest = std::max(largest, e.standard_error / e.value);
+    if (!(e.value <= 1e-3)) largest = larger_error(largest, e.standard_error / e.value);
   };
   for (const bool up : {true, false})
     for (int c = 0; c < simulation.plan().channels; ++c) {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
+#include "phase/math/larger_error.h"
 #include "volume/solver/deterministic_channel.h"
 #include "volume/solver/mode_tail.h"
 
@@ -23,6 +25,7 @@ const std::vector<double> kProbesOut{0.01, 0.02, 0.13, 0.45, 0.6, 0.62, 1.0};
 
 // Of the brightest pair between two sides: where f is fainter, errors are relative to that.
 constexpr double kFaint = 1e-8;
+constexpr double kDark = 1e-200;  // [1/sr] less is no light
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -34,12 +37,42 @@ struct ProbeModes {
   std::vector<Parts> second, rest;
   Parts mean;                     // over the azimuth, of all orders
   std::array<double, 4> faint{};  // kFaint of the brightest, by part
+  double energy_defect = 0;       // DeterministicAccuracy::energy_defect
+  bool finite = true;             // all of the above
 
   // What errors are relative to.
   [[nodiscard]] double scale(int part, Index pair) const {
     return std::max(mean[part](pair), faint[part]);
   }
+  // f is no light here, and its digits decide nothing. (What is no number is not dark.)
+  [[nodiscard]] bool is_dark(int part, Index pair) const {
+    return std::abs(mean[part](pair)) <= kDark;
+  }
+  // How far f is below 0 on average over the azimuth, relative to the scale.
+  [[nodiscard]] double below_zero(int part, Index pair) const {
+    return std::max(0.0, -mean[part](pair)) / scale(part, pair);
+  }
 };
+
+// How far the energies of beams along the probes are from what any stack does to light: their sum
+// from 1, and each from 0 where it is negative.
+double energy_defect(const LayerOperator& mean, const DirectionSets& sets, bool below) {
+  const Index nodes = sets.nodes();
+  double defect = 0;
+  for (const OperatorSide* side : {&mean.above, &mean.below}) {
+    if (side == &mean.below && !below) break;
+    for (Index j = nodes; j < sets.in.size(); ++j) {
+      const double reflected = sets.flux.dot(side->r[0].col(j).head(nodes));
+      const double transmitted = sets.flux.dot(side->t[0].col(j).head(nodes));
+      const double absorbed = side->absorbed[j];
+      defect = larger_error(defect,
+                            std::abs(reflected + transmitted + absorbed + side->direct_in[j] - 1));
+      for (const double energy : {reflected, transmitted, absorbed})
+        defect = larger_error(defect, -energy);
+    }
+  }
+  return defect;
+}
 
 struct Limits {
   double tolerance;
@@ -48,6 +81,7 @@ struct Limits {
   double seconds;  // left
   bool steep;
   const std::atomic<bool>* stop;
+  std::function<void(int modes)> report;
 };
 
 // What the modes left out may add, at the worst probe, but for order 2 of steep media.
@@ -56,10 +90,10 @@ double left_out(const ProbeModes& probes, int parts) {
   std::vector<double> modes(probes.rest.size());
   for (int part = 0; part < parts; ++part)
     for (Index p = 0; p < probes.mean[part].size(); ++p) {
-      if (!(probes.mean[part](p) > 1e-200)) continue;
+      if (probes.is_dark(part, p)) continue;
       for (std::size_t m = 0; m < modes.size(); ++m)
         modes[m] = probes.rest[m][part](p) / probes.scale(part, p);
-      worst = std::max(worst, fit_mode_tail(modes).error);
+      worst = larger_error(worst, fit_mode_tail(modes).error);
     }
   return worst;
 }
@@ -72,13 +106,12 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
   const auto start = std::chrono::steady_clock::now();
   ProbeModes result;
   const Index nodes = stack.sets().nodes();
-  const int batch = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
+  const int threads = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
   int quiet = 0, first_quiet = 0;
   ended = DeterministicLimit::modes;
-  std::vector<LayerOperator> solved(batch);
-  for (int first = 0; first < limits.max_modes; first += batch) {
-    const int count = std::min(batch, limits.max_modes - first);
-    if (stack.bytes_of(first + count) > limits.max_bytes) {
+  std::vector<LayerOperator> solved(threads);
+  for (int first = 0, count = 0; first < limits.max_modes; first += count) {
+    if (first == stack.ready() && !stack.prepare_more(limits.max_bytes)) {
       ended = DeterministicLimit::memory;
       return result;
     }
@@ -90,8 +123,10 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
       ended = DeterministicLimit::interrupted;
       return result;
     }
-    stack.prepare(first + count);
+    limits.report(first);
+    count = std::min({threads, stack.ready() - first, limits.max_modes - first});
     oneapi::tbb::parallel_for(0, count, [&](int k) { solved[k] = stack.mode(first + k); });
+    if (first == 0) result.energy_defect = energy_defect(solved[0], stack.sets(), parts > 1);
     for (int k = 0; k < count; ++k) {
       const int m = first + k;
       Parts rest, second;
@@ -101,15 +136,22 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
         const Series& series = part_of(solved[k], part);
         if (m == 0) {
           result.mean[part] = asked(series[0], nodes);
-          result.faint[part] = std::max(kFaint * result.mean[part].maxCoeff(), 1e-200);
+          result.finite = result.finite && result.mean[part].allFinite();
+          result.faint[part] = std::max(kFaint * result.mean[part].maxCoeff(), kDark);
         }
         rest[part] = asked(series[0] - series[1], nodes);
         if (limits.steep) {
           second[part] = counted ? (*counted)[part] : asked(series[2], nodes);
           rest[part] -= second[part];
         }
+        result.finite =
+            result.finite && rest[part].allFinite() && (!limits.steep || second[part].allFinite());
         for (Index i = 0; i < rest[part].size(); ++i)
           size = std::max(size, 2 * std::abs(rest[part](i)) / result.scale(part, i));
+      }
+      if (!result.finite) {
+        ended = DeterministicLimit::numbers;
+        return result;
       }
       result.rest.push_back(std::move(rest));
       if (limits.steep) result.second.push_back(std::move(second));
@@ -134,12 +176,17 @@ struct Errors {
   double all = 0;
 };
 
+// coarse: nothing yet at the first number of nodes, where f itself is the bound of its error.
 Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, double tolerance) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  if (fine.rest.empty() || !fine.finite || !std::isfinite(fine.energy_defect))
+    return {kUnknown, 0, kUnknown};
+  if (coarse.rest.empty() || !coarse.finite) return {1, 0, larger_error(1, fine.energy_defect)};
   Errors worst;
   double worst_rest = 0;
   for (int part = 0; part < parts; ++part)
     for (Index p = 0; p < fine.mean[part].size(); ++p) {
-      if (!(fine.mean[part](p) > 1e-200)) continue;
+      if (fine.is_dark(part, p)) continue;
       const double scale = fine.scale(part, p);
       struct One {
         double nodes = 0, left_out = 0;
@@ -157,19 +204,20 @@ Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, do
         return one;
       };
       const One rest = compare(coarse.rest, fine.rest);
-      worst.nodes = std::max(worst.nodes, rest.nodes);
-      double all = rest.nodes + rest.left_out;
-      worst_rest = std::max(worst_rest, all);
+      worst.nodes = larger_error(worst.nodes, rest.nodes + fine.below_zero(part, p));
+      double all = rest.nodes + rest.left_out + fine.below_zero(part, p);
+      worst_rest = larger_error(worst_rest, all);
       if (!fine.second.empty()) {
         const One second = compare(coarse.second, fine.second);
         if (second.left_out <= tolerance / 4) {
-          worst.second_nodes = std::max(worst.second_nodes, second.nodes);
+          worst.second_nodes = larger_error(worst.second_nodes, second.nodes);
           all += second.nodes + second.left_out;
         }
       }
-      worst.all = std::max(worst.all, all);
+      worst.all = larger_error(worst.all, all);
     }
   if (is_second_integrated(worst.second_nodes, tolerance)) worst.all = worst_rest;
+  worst.all = larger_error(worst.all, fine.energy_defect);
   return worst;
 }
 
@@ -194,6 +242,8 @@ std::string to_text(DeterministicLimit limit) {
       return "memory";
     case DeterministicLimit::interrupted:
       return "interrupted";
+    case DeterministicLimit::numbers:
+      return "numbers";
     default:
       return "";
   }
@@ -246,15 +296,28 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       // Modes that vary much faster than the nodes can follow would be noise.
       int max_modes = std::min(options.max_modes, 16 * nodes + 24);
       if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes[channel]);
-      const Limits limits{options.tolerance, max_modes,
-                          options.max_bytes, 2 * options.max_seconds - seconds_since(start),
-                          solution.steep_,   options.stop};
+      const Limits limits{options.tolerance,
+                          max_modes,
+                          options.max_bytes,
+                          2 * options.max_seconds - seconds_since(start),
+                          solution.steep_,
+                          options.stop,
+                          [&](int done) {
+                            if (options.report)
+                              options.report({.nodes = nodes,
+                                              .modes = done,
+                                              .error = accuracy.error,
+                                              .seconds = seconds_since(start)});
+                          }};
       ProbeModes fine = solve_probes(modes, split ? &*split : nullptr, parts, limits, this_ended);
       if (this_ended != DeterministicLimit::none) ended = this_ended;
       const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);
-      now.node_error = std::max(now.node_error, step == 0 ? 1 : errors.nodes);
-      now.second_error = std::max(now.second_error, errors.second_nodes);
-      now.error = std::max(now.error, step == 0 ? 1 : errors.all);
+      now.node_error = larger_error(now.node_error, errors.nodes);
+      now.second_error = larger_error(now.second_error, errors.second_nodes);
+      now.error = larger_error(now.error, errors.all);
+      now.energy_defect = std::isfinite(errors.all)
+                              ? larger_error(now.energy_defect, fine.energy_defect)
+                              : errors.all;
       mode_counts[k] = static_cast<int>(fine.rest.size());
       faint[k] = fine.faint;
       now.modes = std::max(now.modes, mode_counts[k]);
@@ -273,7 +336,9 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;
     const double growth = static_cast<double>(next) / nodes;
     if (now.reached) break;
-    if (ended != DeterministicLimit::none && ended != DeterministicLimit::modes)
+    // More nodes may cure numbers that are not finite, like any other error.
+    if (ended != DeterministicLimit::none && ended != DeterministicLimit::modes &&
+        ended != DeterministicLimit::numbers)
       accuracy.limit = ended;
     else if (now.node_error <= options.tolerance / 2 &&
              (now.second_error <= options.tolerance ||
@@ -290,6 +355,8 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     if (accuracy.limit != DeterministicLimit::none) break;
     nodes = next;
   }
+  if (!std::isfinite(accuracy.error) && accuracy.limit != DeterministicLimit::interrupted)
+    accuracy.limit = DeterministicLimit::numbers;
   accuracy.seconds = seconds_since(start);
   return solution;
 }

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,6 +13,19 @@
 #include "phase/stack/stack.h"
 
 namespace lamella {
+
+/// What the solver is doing, for whoever waits.
+struct SolverProgress {
+  enum class Task { nodes, cells, pairs } task = Task::nodes;
+  int nodes = 0;  ///< of the solution in work, per hemisphere
+  int modes = 0;  ///< of them solved so far
+  double error =
+      1;  ///< what coarser nodes reached, relative to DeterministicField::scale; 1: none yet
+  double share = 0;    ///< of the cells or pairs that are done
+  double seconds = 0;  ///< since the task began
+};
+/// Called every now and then, in the thread that asked for the solution.
+using SolverReport = std::function<void(const SolverProgress&)>;
 
 struct DeterministicOptions {
   double tolerance = 1e-6;  ///< of f, relative to DeterministicField::scale
@@ -23,12 +38,14 @@ struct DeterministicOptions {
                             ///< short at twice that
   std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables
   const std::atomic<bool>* stop = nullptr;  ///< once set, refinement ends with what was reached
+  SolverReport report{};
 };
 
-/// What ended the refinement.
-enum class DeterministicLimit { none, nodes, modes, time, memory, interrupted };
+/// What ended the refinement. numbers: the last solution has numbers that are not finite.
+enum class DeterministicLimit { none, nodes, modes, time, memory, interrupted, numbers };
 
-/// "nodes", "modes", "time", "memory" or "interrupted"; empty where the tolerance was reached.
+/// "nodes", "modes", "time", "memory", "interrupted" or "numbers"; empty where the tolerance was
+/// reached.
 [[nodiscard]] std::string to_text(DeterministicLimit limit);
 
 /// What a solution cost and how far it got.
@@ -37,14 +54,23 @@ struct DeterministicAccuracy {
   DeterministicLimit limit = DeterministicLimit::none;  ///< what stopped it short of that
   /// Of f, relative to DeterministicField::scale: the largest change under the last refinement of
   /// the nodes at probe directions (mu from 0.01 to 1, both grazing and straight on among them),
-  /// plus what the azimuthal modes left out would add. DeterministicValue carries each pair's own.
+  /// plus what the azimuthal modes left out would add; never less than energy_defect. Infinite
+  /// where no solution had finite numbers. DeterministicValue carries each pair's own.
   double error = 0;
-  double node_error = 0;     ///< the first part of it
-  double second_error = 0;   ///< of order 2 of steep media by its modes: apart from node_error
-  int nodes = 0, modes = 0;  ///< modes: the most of any channel
+  double node_error = 0;    ///< the first part of it
+  double second_error = 0;  ///< of order 2 of steep media by its modes: apart from node_error
+  /// What the energies at the probes violate: how far their sum is from 1, how far any is below 0.
+  double energy_defect = 0;
+  int nodes = 0, modes = 0;            ///< modes: the most of any channel
   std::array<int, 3> channel_modes{};  ///< per colour channel
   double seconds = 0;
   std::size_t bytes = 0;  ///< of the kernels, the largest tables
+
+  /// Whether the solution says anything at all: its error is known, and that of the nodes is no
+  /// larger than f itself.
+  [[nodiscard]] bool is_answer() const {
+    return std::isfinite(error) && node_error <= 1 && energy_defect <= 1;
+  }
 };
 
 /// Scattering orders 1, 2, 3, 4 and more, all.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "phase/math/larger_error.h"
 #include "phase/stack/single_scattering.h"
 #include "volume/quadrature/cell_quadrature.h"
 #include "volume/solver/row_sampler.h"
@@ -105,7 +106,7 @@ struct Assembly {
           const double error = means.error + single[cell].error[c];
           side.lobes[kTallyOrders].value[k] = all;
           side.lobes[kTallyOrders].standard_error[k] = error;
-          if (means.scale > 0) worst = std::max(worst, error / means.scale);
+          if (means.scale != 0) worst = larger_error(worst, error / means.scale);
         }
       }
     }
@@ -140,19 +141,34 @@ struct Assembly {
 
 std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution, const Plan& plan,
                                           std::span<const Direction> incident, CellGrid grid,
-                                          double tolerance, const std::atomic<bool>* stop) {
+                                          double tolerance, const std::atomic<bool>* stop,
+                                          const SolverReport& report) {
   const auto start = std::chrono::steady_clock::now();
+  // Half of the work is the rows' modes, half order 1 of the cells; more or less.
+  const auto tell = [&](double share) {
+    if (report)
+      report({.task = SolverProgress::Task::cells,
+              .nodes = solution.accuracy().nodes,
+              .modes = solution.accuracy().modes,
+              .error = solution.accuracy().error,
+              .share = share,
+              .seconds =
+                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+  };
+  tell(0);
   grid.folded = plan.folded && grid.phi_cells % 2 == 0;
   std::vector<double> mu_i;
   for (const Direction wi : incident) mu_i.push_back(with_grazing_limit(wi).z);
   // Quadratures finer than what the solver reached would cost time for nothing.
   const double quadrature = std::max(tolerance, solution.accuracy().error / 2);
   const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i,
-                           has_mirrors(solution.stack()), quadrature, stop);
+                           has_mirrors(solution.stack()), quadrature, stop,
+                           [&](double share) { tell(share / 2); });
   const std::vector<DeterministicEnergies> energies = solution.energies(mu_i);
   const Assembly assembly{solution, sampler, grid, plan.channels, quadrature};
   std::vector<RunResult> runs(incident.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
+    tell(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(runs.size()));
     RunResult& run = runs[i];
     run.incident = with_grazing_limit(incident[i]);
     run.estimator = Estimator::deterministic;
@@ -164,18 +180,20 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
     for (const bool reflected : {true, false}) {
       SideResult& side = reflected ? run.reflected : run.transmitted;
       const bool up = (run.incident.z > 0) == reflected;
-      if (up || plan.transmits) error = std::max(error, assembly.lobes(side, i, run.incident, up));
+      if (up || plan.transmits)
+        error = larger_error(error, assembly.lobes(side, i, run.incident, up));
       assembly.energies(side, reflected                          ? energies[i].reflected
                               : solution.stack().is_half_space() ? energies[i].escaped
                                                                  : energies[i].transmitted);
     }
-    run.accuracy->reached = error <= tolerance;
     for (int c = 0; c < plan.channels; ++c) {
       const double defect = std::abs(energies[i].sum()[c] - 1);
       run.uncollided[c] = {energies[i].uncollided[c], 0};
       run.absorbed[c] = {energies[i].absorbed[c],
                          defect + solution.accuracy().node_error * energies[i].absorbed[c]};
+      run.accuracy->energy_defect = larger_error(c == 0 ? 0 : run.accuracy->energy_defect, defect);
     }
+    run.accuracy->reached = error <= tolerance && run.accuracy->energy_defect <= tolerance;
   }
   const double seconds =
       solution.accuracy().seconds +

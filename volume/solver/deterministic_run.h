@@ -27,11 +27,13 @@ inline constexpr double kSolverShare = 0.5;
 /// accuracy.error becomes the largest bound of a cell of the lobe "all", relative to the mean over
 /// the azimuth at its mu, and accuracy.reached says whether that is within `tolerance`.
 /// `stop`, where there is one, ends the refinement once it is true; bounds say what that leaves.
+/// `report`, where there is one, is told after each round of points and each side of a direction.
 /// Runs in the calling thread's task arena; `seconds` holds each result's share of the time.
 [[nodiscard]] std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
                                                         const Plan& plan,
                                                         std::span<const Direction> incident,
                                                         CellGrid grid, double tolerance,
-                                                        const std::atomic<bool>* stop = nullptr);
+                                                        const std::atomic<bool>* stop = nullptr,
+                                                        const SolverReport& report = {});
 
 }  // namespace lamella

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "phase/math/larger_error.h"
+
 namespace lamella {
 namespace {
 
@@ -39,13 +41,13 @@ double without_fit(std::span<const double> modes) {
   const std::size_t count = modes.size();
   const auto largest = [&](std::size_t from) {
     double size = 0;
-    for (std::size_t m = from; m < from + 4; ++m) size = std::max(size, std::abs(modes[m]));
+    for (std::size_t m = from; m < from + 4; ++m) size = larger_error(size, std::abs(modes[m]));
     return size;
   };
   if (count < 8) return count == 0 ? 0 : 2 * std::abs(modes.back());
   const double newer = largest(count - 4), older = largest(count / 2 - 2);
   if (newer == 0) return 0;
-  const double exponent = std::max(1.25, std::log2(std::max(older, newer) / newer));
+  const double exponent = larger_error(1.25, std::log2(larger_error(older, newer) / newer));
   return 2 * newer * static_cast<double>(count) / (exponent - 1);
 }
 
@@ -77,7 +79,8 @@ ModeTail fit_mode_tail(std::span<const double> modes) {
     if (!(modes[m] * modes[m + 1] > 0 && std::abs(modes[m + 1]) < std::abs(modes[m]))) return none;
   ModeTail tail = through(modes, {count / 2, 3 * count / 4, count - 1});
   const ModeTail earlier = through(modes, {3 * count / 8, count / 2, 5 * count / 8});
-  if (tail.rate * count + tail.exponent < 1.5) return none;
+  // Modes that fall out of the range of double leave nothing to continue.
+  if (!std::isfinite(tail.amplitude) || !(tail.rate * count + tail.exponent >= 1.5)) return none;
   tail.first = count;
   const double trust = std::abs(earlier.at(count - 1) / modes[count - 1] - 1);
   tail.error = std::min(none.error, std::clamp(trust, 1e-3, 1.0) * std::abs(tail.sum(0)));

@@ -162,7 +162,8 @@ Eigen::MatrixXd RowSampler::Panel::row_weights(const CellGrid& grid) const {
 
 RowSampler::RowSampler(const DeterministicSolution& solution, const CellGrid& grid, int channels,
                        bool both_sides, std::vector<double> mu_i, bool steep_about_mu_i,
-                       double tolerance, const std::atomic<bool>* stop)
+                       double tolerance, const std::atomic<bool>* stop,
+                       const std::function<void(double share)>& report)
     : solution_(solution),
       grid_(grid),
       channels_(channels),
@@ -172,7 +173,11 @@ RowSampler::RowSampler(const DeterministicSolution& solution, const CellGrid& gr
       stop_(stop),
       rows_(mu_i_.size() * channels * sides_ * grid.rows()) {
   std::vector<Panel> panels = Panel::make(grid, steep_about_mu_i ? mu_i_ : std::vector<double>());
-  while (!panels.empty()) panels = sample(panels);
+  const double all = static_cast<double>(panels.size());
+  while (!panels.empty()) {
+    panels = sample(panels);
+    report(1 - static_cast<double>(panels.size()) / all);
+  }
 }
 
 std::vector<RowSampler::Panel> RowSampler::sample(const std::vector<Panel>& panels) {

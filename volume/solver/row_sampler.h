@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <vector>
 
 #include "volume/result/cell_grid.h"
@@ -29,10 +30,11 @@ struct RowModes {
 class RowSampler {
  public:
   /// steep_about_mu_i: f is steep about w_o = -w_i, and panels end there. `stop`, where there is
-  /// one, ends the doubling once it is true; bounds say what that leaves.
+  /// one, ends the doubling once it is true; bounds say what that leaves. `report` is told what
+  /// share of the panels is done.
   RowSampler(const DeterministicSolution& solution, const CellGrid& grid, int channels,
              bool both_sides, std::vector<double> mu_i, bool steep_about_mu_i, double tolerance,
-             const std::atomic<bool>* stop);
+             const std::atomic<bool>* stop, const std::function<void(double share)>& report);
 
   /// Incident direction i of the list.
   [[nodiscard]] const RowModes& row(std::size_t i, int channel, bool up, int row) const {

@@ -65,6 +65,40 @@ TEST(Thinning, IsChosenWhereWalksAreLong) {
   EXPECT_EQ(make_plan(white, {.max_order = 300}).thinning.first, 0u);
 }
 
+// White in some channels only: the walk is as long as that of the white ones.
+TEST(Thinning, FollowsTheBrightestChannel) {
+  const std::string keys = "medium = 'vmf_flake'\nroughness = 1\nthickness = inf\nalbedo = ";
+  const Stack stack = stack_from(layer(keys + "[0.504, 1, 1]"));
+  Plan plan = make_plan(stack), white = make_plan(stack_from(layer(keys + "1")));
+  EXPECT_EQ(plan.thinning.first, white.thinning.first);
+  EXPECT_EQ(plan.thinning.first, 16u);
+  EXPECT_EQ(plan.max_order, white.max_order);
+  EXPECT_EQ(plan.max_order, kThinnedMaxOrder);
+
+  const Direction wi = direction_from_degrees(45, 0);
+  const double mu[] = {wi.z};
+  const Rgb exact =
+      solve_deterministic(stack, {.tolerance = 1e-6}).energies(mu).front().reflected[4];
+  EXPECT_NEAR(exact.g, 1, 1e-9);
+  for (const Isa isa : {Isa::scalar, supported_isas().back()}) {
+    plan.isa = isa;
+    Simulation simulation(stack, plan, wi, Estimator::analog, CellGrid{4, 8, true}, 1);
+    simulation.advance(isa == Isa::scalar ? 20000 : 400000);
+    const RunResult run = reduce(simulation);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(ledger_sum(run, c), 1, 1e-9);
+      const Estimate& found = run.reflected.total[c];
+      EXPECT_LT(std::abs(found.value - exact[c]),
+                allowed_z() * found.standard_error + run.unresolved[c].value)
+          << to_text(isa) << ' ' << c;
+    }
+    EXPECT_EQ(run.unresolved[0].value, 0);
+    // What a million events leave of a white half space, n^-1/2, in walks that count 512 each.
+    EXPECT_LT(run.unresolved[1].value,
+              1e-3 + 6 * std::sqrt(1e-3 * 512 / static_cast<double>(run.walks)));
+  }
+}
+
 // Walks that go on become fewer by e in so many events. What walks cut at n and at 2 n events leave
 // unresolved tells the number: 0.25 to 1.8 times the estimate here. Diffusion in a slab of
 // particles says 3 / pi^2 of it, flakes let light out faster along themselves.

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "volume/result/run_result.h"
+
+namespace lamella {
+
+/// The solver was asked for and has no answer: what() is one line; exit status 3.
+struct NoAnswerError : std::domain_error {
+  using std::domain_error::domain_error;
+};
+
+/// Why a solution is no answer, if it is none: none of its steps had finite numbers, or the last
+/// one changed f by more than f itself.
+[[nodiscard]] std::optional<std::string> why_no_answer(const DeterministicAccuracy& accuracy);
+
+/// The same of what the solver gives for one incident direction: numbers that are not finite, an
+/// energy outside of [0, 1] or a ledger whose sum is not 1 by more than the bounds, or a bound
+/// of an energy above 2, which says nothing. Rounding of 1e-12 is allowed.
+[[nodiscard]] std::optional<std::string> why_no_answer(const RunResult& run);
+
+}  // namespace lamella
