@@ -26,9 +26,10 @@ class Chandrasekhar final : public Model {
     return 1 / (4 * kPi * (a->mu_i + a->mu_o)) * albedo_ * product(*a);
   }
 
-  [[nodiscard]] Rgb albedo(Direction wi) const override {
-    if (wi.z < 0) return Rgb();
-    return per_channel([&](int c) { return 1 - std::sqrt(1 - albedo_[c]) * h_[c](wi.z); });
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    if (wi.z < 0) return {};
+    return exact_albedo(
+        per_channel([&](int c) { return 1 - std::sqrt(1 - albedo_[c]) * h_[c](wi.z); }), 1e-11);
   }
 
  private:

@@ -1,8 +1,11 @@
 #include "analytic/half_space/lambert_sphere_three_term.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "analytic/half_space/lambert_sphere_models.h"
 #include "analytic/half_space/three_term.h"
-#include "analytic/model/hemisphere_quadrature.h"
 #include "analytic/model/one_half_space.h"
 
 namespace lamella {
@@ -31,14 +34,23 @@ class LambertSphereThreeTerm final : public Model {
   }
 
   /// The three-term albedo in closed form; what order 1 adds to it by quadrature.
-  [[nodiscard]] Rgb albedo(Direction wi) const override {
-    if (wi.z < 0) return Rgb();
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    if (wi.z < 0) return {};
     const auto three_term = [&](int c) { return half_spaces_[c].albedo(wi.z); };
     const Rgb sum = half_spaces_.size() == 1 ? Rgb(three_term(0))
                                              : Rgb(three_term(0), three_term(1), three_term(2));
-    if (!exact_single_) return sum;
-    const auto f = [&](Direction wo) { return correction(*reflection_angles(wi, wo)); };
-    return sum + integrate_projected(f, 1) * albedo_;
+    double error = 1e-10;  // of ThreeTermHalfSpace
+    for (int c = 0; c < 3; ++c)
+      if (const double rest = 1 - albedo_[c]; rest > 0 && rest < 1e-8)
+        error = std::max(error, std::min(1e-7, 1e-14 / std::sqrt(rest)));
+    if (!exact_single_) return exact_albedo(sum, error);
+    const auto f = [&](std::span<const Direction> directions, std::span<Rgb> values) {
+      for (std::size_t k = 0; k < values.size(); ++k)
+        values[k] = correction(*reflection_angles(wi, directions[k])) * albedo_;
+    };
+    const DirectionalIntegral added = integrate_projected(f, wi, std::array{1.0});
+    const AlbedoEstimate exact = exact_albedo(sum, error);
+    return {exact.value + added.value, exact.error + added.error, added.end};
   }
 
  private:

@@ -86,9 +86,9 @@ class VmfDiffuse final : public FormulaModel<VmfDiffuseFormula> {
   }
 
   /// The azimuth in closed form, the cosine by adaptive quadrature: relative error below 1e-8.
-  [[nodiscard]] Rgb albedo(Direction wi) const override {
-    if (wi.z < 0) return Rgb();
-    if (lambert_) return albedo_;
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    if (wi.z < 0) return {};
+    if (lambert_) return exact_albedo(albedo_);
     const double ui = std::max(wi.z, kGrazingLimit);
     Rgb sum;
     for (int order = 1; order <= 3; ++order)
@@ -97,11 +97,13 @@ class VmfDiffuse final : public FormulaModel<VmfDiffuseFormula> {
                return printed_ ? f.integral() : f.positive_integral();
              }) *
              weight(order);
-    return sum + per_channel([&](int c) {
-             return over_cosines([&](double uo) {
-               return 2 * kPi * formula_.highest(formula_.higher_orders(ui, uo), c);
-             });
-           });
+    sum += per_channel([&](int c) {
+      return over_cosines(
+          [&](double uo) { return 2 * kPi * formula_.highest(formula_.higher_orders(ui, uo), c); });
+    });
+    AlbedoEstimate albedo{sum, {}, {}};
+    for (int c = 0; c < 3; ++c) albedo.error[c] = 1e-8 * std::abs(sum[c]);
+    return albedo;
   }
 
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,

@@ -114,6 +114,8 @@ class Micrograin final : public Model {
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
     const auto a = reflection_angles(wi, wo);
     if (!a) return Rgb();
+    wi = with_grazing_limit(wi);
+    wo = with_grazing_limit(wo);
     const double w = micrograin_weight(a->mu_i, a->mu_o, g_.tau0, g_.beta);
     if (lobe == 1) return (1 - w) * g_.bulk->eval(wi, wo);
     switch (g_.surface) {
@@ -257,7 +259,14 @@ std::unique_ptr<const Model> make_bulk(const Parameters& p) {
   return info.make(below, nullptr);
 }
 
-/// A part that is a function of one cosine.
+MicrograinShadowing shadowing_of(const Parameters& p) {
+  const std::string& shadowing = p.choice("shadowing");
+  return shadowing == "ggx"     ? MicrograinShadowing::ggx
+         : shadowing == "smith" ? MicrograinShadowing::smith
+                                : MicrograinShadowing::series;
+}
+
+/// A part that is a function of the cosines, tau0 and beta.
 template <class F>
 auto of_cosines(const F& f) {
   return [f](const Parameters& p, Direction wi, Direction wo) {
@@ -385,7 +394,6 @@ ModelInfo micrograin_model() {
       .make =
           [](const Parameters& p, const Stack*) {
             const std::string& surface = p.choice("surface");
-            const std::string& shadowing = p.choice("shadowing");
             return std::make_unique<Micrograin>(
                 Grains{.tau0 = p.number("tau0"),
                        .beta = p.number("beta"),
@@ -393,9 +401,7 @@ ModelInfo micrograin_model() {
                        .surface = surface == "lambert"     ? Surface::lambert
                                   : surface == "conductor" ? Surface::conductor
                                                            : Surface::dielectric,
-                       .shadowing = shadowing == "ggx"     ? MicrograinShadowing::ggx
-                                    : shadowing == "smith" ? MicrograinShadowing::smith
-                                                           : MicrograinShadowing::series,
+                       .shadowing = shadowing_of(p),
                        .terms = static_cast<int>(p.number("terms")),
                        .visible_normals = p.choice("normals") == "visible",
                        .albedo = p.color("albedo"),
@@ -436,11 +442,13 @@ ModelInfo micrograin_model() {
                  })},
                 {"weight", "share of the paths between w_i and w_o that meet grains",
                  of_cosines(micrograin_weight)},
-                {"g1", "Smith's G_1 of w_i for the exact normals",
-                 of_cosines([](double mu_i, double, double tau0, double beta) {
-                   return mu_i /
-                          micrograin_projected_area(mu_i, tau0, beta, MicrograinShadowing::smith);
-                 })}}};
+                {"g1", "Smith's G_1 of w_i with the projected area that `shadowing` says",
+                 [](const Parameters& p, Direction wi, Direction) {
+                   const double mu = std::max(std::abs(wi.z), kGrazingLimit);
+                   return Rgb(mu / micrograin_projected_area(mu, p.number("tau0"), p.number("beta"),
+                                                             shadowing_of(p),
+                                                             static_cast<int>(p.number("terms"))));
+                 }}}};
 }
 
 void offer_bulk_models(std::vector<ModelInfo>& models) {

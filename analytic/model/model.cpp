@@ -1,6 +1,8 @@
 #include "analytic/model/model.h"
 
-#include "analytic/model/hemisphere_quadrature.h"
+#include <array>
+#include <vector>
+
 #include "phase/math/sampling.h"
 
 namespace lamella {
@@ -38,9 +40,16 @@ double Model::pdf(Direction wi, Direction wo) const {
   return same_side ? std::abs(wi.z) / kPi : 0;
 }
 
-Rgb Model::albedo(Direction wi) const {
-  const auto f = [&](Direction wo) { return eval(wi, wo); };
-  return integrate_projected_rgb(f, 1) + integrate_projected_rgb(f, -1);
+AlbedoEstimate Model::albedo_with_error(Direction wi) const {
+  std::vector<DirectionPair> pairs;
+  const auto f = [&](std::span<const Direction> directions, std::span<Rgb> values) {
+    pairs.clear();
+    for (const Direction& wo : directions) pairs.push_back({wi, wo});
+    // In double on every machine, so that an albedo does not depend on the instruction set.
+    eval(pairs, values, Isa::scalar);
+  };
+  const DirectionalIntegral integral = integrate_projected(f, wi, std::array{1.0, -1.0});
+  return {integral.value, integral.error, integral.end};
 }
 
 double Model::uncollided(Direction /*wi*/) const { return 0; }

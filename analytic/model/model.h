@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analytic/model/directional_integral.h"
 #include "phase/lanes/isa.h"
 #include "phase/stack/stack.h"
 
@@ -30,6 +31,18 @@ struct LobeInfo {
 struct DirectionPair {
   Direction wi, wo;
 };
+
+/// A directional albedo.
+struct AlbedoEstimate {
+  Rgb value;
+  Rgb error;                                 ///< bound; of a stochastic model one standard error
+  IntegralEnd end = IntegralEnd::tolerance;  ///< of its quadrature, where it has one
+};
+
+/// One in closed form: `error` is that of its formula, rounding unless it says otherwise.
+[[nodiscard]] inline AlbedoEstimate exact_albedo(Rgb value, double error = 1e-14) {
+  return {value, Rgb(error), {}};
+}
 
 /// A closed form, its parameters fixed. Values are f(w_i, w_o) [1/sr], the BSDF without the cosine:
 /// reflection where mu_i mu_o > 0, transmission otherwise; mu = 0 is the limit from above.
@@ -62,8 +75,12 @@ class Model {
   [[nodiscard]] virtual double pdf(Direction wi, Direction wo) const;
 
   /// Directional albedo: the share of light from w_i that leaves anywhere, the delta transmission
-  /// apart. Default: adaptive quadrature of f |mu_o|, relative error 1e-8.
-  [[nodiscard]] virtual Rgb albedo(Direction wi) const;
+  /// apart, and its error. Default: adaptive cubature of f |mu_o|, relative error 1e-9 or what the
+  /// noise of the model's values and the limits leave. Override where there is a closed form. w_i
+  /// above the surface or below; mu = 0 is the limit from above.
+  [[nodiscard]] virtual AlbedoEstimate albedo_with_error(Direction wi) const;
+  /// Its value.
+  [[nodiscard]] Rgb albedo(Direction wi) const { return albedo_with_error(wi).value; }
 
   /// The share of light from w_i that passes without scattering (a delta, no part of eval).
   [[nodiscard]] virtual double uncollided(Direction wi) const;

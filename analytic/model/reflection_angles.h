@@ -34,8 +34,8 @@ template <class Real>
   const Real product = si * so, zero = Real(0);
   const Real cross = multiply_add(wi.x, wo.y, -(wi.y * wo.x));
   const auto inclined = product > zero;
-  return {.mu_i = max(wi.z, grazing),
-          .mu_o = max(wo.z, grazing),
+  return {.mu_i = min(one, max(wi.z, grazing)),
+          .mu_o = min(one, max(wo.z, grazing)),
           .sin_i = si,
           .sin_o = so,
           .cos_phi = select(inclined, max(-one, min(one, xy / product)), one),

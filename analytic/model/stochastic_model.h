@@ -14,6 +14,9 @@ class StochasticModel : public Model {
  public:
   /// eval with its standard error.
   [[nodiscard]] virtual ValueWithError eval_with_error(Direction wi, Direction wo) const = 0;
+  /// eval_lobe with its standard error.
+  [[nodiscard]] virtual ValueWithError eval_lobe_with_error(int lobe, Direction wi,
+                                                            Direction wo) const = 0;
 
   /// Independent estimates of the same model, about `parts` of them, whose scatter is eval's noise
   /// with its covariance: eval is their mean, up to uneven shares of the random numbers.

@@ -107,24 +107,11 @@ class BeckmannDiffuse final : public StochasticModel {
   }
 
   [[nodiscard]] ValueWithError eval_with_error(Direction wi, Direction wo) const override {
-    // Per walk; gather gives shares of the mean.
-    Rgb sum, squares, one;
-    gather(wi, wo, [&](int, Rgb f, bool first) {
-      if (first) {
-        squares += one * one;
-        one = Rgb();
-      }
-      sum += f;
-      one += f;
-    });
-    squares += one * one;
-    ValueWithError value{sum, Rgb()};
-    const double n = walks_;
-    for (int c = 0; c < 3; ++c)
-      value.standard_error[c] =
-          walks_ > 1 ? std::sqrt(std::max(0.0, squares[c] - sum[c] * sum[c] / n) * n / (n - 1))
-                     : std::numeric_limits<double>::infinity();
-    return value;
+    return of_orders(wi, wo, 1, kMostEvents);
+  }
+  [[nodiscard]] ValueWithError eval_lobe_with_error(int lobe, Direction wi,
+                                                    Direction wo) const override {
+    return of_orders(wi, wo, lobe + 1, lobe == 3 ? kMostEvents : lobe + 1);
   }
 
   /// By the same walks: albedo to the power of the events.
@@ -141,21 +128,53 @@ class BeckmannDiffuse final : public StochasticModel {
     return list;
   }
 
-  [[nodiscard]] Rgb albedo(Direction wi) const override {
-    if (wi.z < 0) return Rgb();
-    if (alpha_ == 0) return albedo_;
-    Rgb sum;
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    if (wi.z < 0) return {};
+    if (alpha_ == 0) return exact_albedo(albedo_);
+    Rgb sum, squares;
     const std::vector<Event>& events = events_from(with_grazing_limit(wi));
     Rgb weight;
     for (std::size_t k = 0; k < events.size(); ++k) {
       if (events[k].first) weight = Rgb(1);
       if (events[k].met) weight = weight * albedo_;
-      if (k + 1 == events.size() || events[k + 1].first) sum += weight;
+      if (k + 1 < events.size() && !events[k + 1].first) continue;
+      sum += weight;
+      squares += weight * weight;
     }
-    return 1.0 / walks_ * sum;
+    const double n = walks_;
+    AlbedoEstimate albedo{1 / n * sum, {}, {}};
+    for (int c = 0; c < 3; ++c)
+      albedo.error[c] =
+          walks_ > 1 ? std::sqrt(std::max(0.0, squares[c] / n - albedo.value[c] * albedo.value[c]) /
+                                 (n - 1))
+                     : std::numeric_limits<double>::infinity();
+    return albedo;
   }
 
  private:
+  /// What the orders from `least` to `most` add up to.
+  [[nodiscard]] ValueWithError of_orders(Direction wi, Direction wo, int least, int most) const {
+    // Per walk; gather gives shares of the mean.
+    Rgb sum, squares, one;
+    gather(wi, wo, [&](int order, Rgb f, bool first) {
+      if (first) {
+        squares += one * one;
+        one = Rgb();
+      }
+      if (order < least || order > most) return;
+      sum += f;
+      one += f;
+    });
+    squares += one * one;
+    ValueWithError value{sum, Rgb()};
+    const double n = walks_;
+    for (int c = 0; c < 3; ++c)
+      value.standard_error[c] =
+          walks_ > 1 ? std::sqrt(std::max(0.0, squares[c] - sum[c] * sum[c] / n) * n / (n - 1))
+                     : std::numeric_limits<double>::infinity();
+    return value;
+  }
+
   static std::uint64_t next_id() {
     static std::atomic<std::uint64_t> id = 0;
     return ++id;

@@ -62,13 +62,14 @@ class Eon final : public FormulaModel<EonFormula<kAlbedo>> {
     });
   }
 
-  [[nodiscard]] Rgb albedo(Direction wi) const override {
-    if (wi.z < 0) return Rgb();
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    if (wi.z < 0) return {};
     const Rgb single = fon_albedo(wi.z, roughness_) * rho_;
-    if constexpr (kAlbedo == EonAlbedo::none) return single;
+    if constexpr (kAlbedo == EonAlbedo::none) return exact_albedo(single);
     static const double mean = kAlbedo == EonAlbedo::fit ? mean_loss_fit() : kMeanLoss;
     const double lost = kPi * mean * formula_.loss(wi.z);
-    return single + Base::per_channel([&](int c) { return lost * formula_.multiple[c]; });
+    return exact_albedo(single +
+                        Base::per_channel([&](int c) { return lost * formula_.multiple[c]; }));
   }
 
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,

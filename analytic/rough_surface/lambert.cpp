@@ -16,7 +16,9 @@ class Lambert final : public Model {
     for (std::size_t k = 0; k < pairs.size(); ++k)
       values[k] = (pairs[k].wi.z < 0) == (pairs[k].wo.z < 0) ? f : Rgb();
   }
-  [[nodiscard]] Rgb albedo(Direction /*wi*/) const override { return albedo_; }
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction /*wi*/) const override {
+    return exact_albedo(albedo_);
+  }
 
  private:
   Rgb albedo_;

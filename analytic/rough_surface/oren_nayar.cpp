@@ -69,10 +69,10 @@ class Qualitative final : public FormulaModel<QualitativeFormula<kFujii>> {
     return Base::eval(wi, wo);
   }
   /// EON eq. 5.
-  [[nodiscard]] Rgb albedo(Direction wi) const override {
-    if (wi.z < 0) return Rgb();
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    if (wi.z < 0) return {};
     const double g = kFujii ? fujii_integral(wi.z) : oren_nayar_integral(wi.z);
-    return rho_ * (a_ + Rgb(b_ / kPi * g));
+    return exact_albedo(rho_ * (a_ + Rgb(b_ / kPi * g)));
   }
 
  private:

@@ -51,12 +51,18 @@ struct FullOrenNayarFormula {
     const Real mu_b = max(a.mu_i, a.mu_o);
     const Real sin_a = select(i_grazes, a.sin_i, a.sin_o);
     const Real sin_b = select(i_grazes, a.sin_o, a.sin_i);
-    const Real alpha = Real(2 / kPi) * angle_of(sin_a, min(a.mu_i, a.mu_o));
+    const Real low = min(a.mu_i, a.mu_o);
+    const Real alpha = Real(2 / kPi) * angle_of(sin_a, low);
     const Real beta = Real(2 / kPi) * angle_of(sin_b, mu_b);
     const Real zero = Real(0), one = Real(1), x = a.cos_phi, ab = alpha * beta;
-    const Real back = select(x < zero, beta * beta * beta, zero);
+    // sin(alpha) - (2 beta / pi)^3 where cos(phi) < 0: both are 1 less what vanishes at grazing,
+    // and their difference is that of the two parts.
+    const Real gone = Real(2 / kPi) * arc_sine(mu_b, sin_b);
+    const Real lobe = select(
+        x < zero, gone * multiply_add(gone, gone - Real(3), Real(3)) - low * low / (one + sin_a),
+        sin_a);
     const Real tan_mean = (sin_a + sin_b) / (a.mu_i + a.mu_o);  // tan((alpha + beta) / 2)
-    return {Real(c1) + x * Real(c2) * (sin_a - back) * (sin_b / mu_b) +
+    return {Real(c1) + x * Real(c2) * lobe * (sin_b / mu_b) +
                 (one - max(x, -x)) * Real(c3) * (ab * ab) * tan_mean,
             Real(interaction) * (one - x * (beta * beta))};
   }

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "analytic/catalogue/model_plugin.h"
+#include "analytic/model/grazing_pair.h"
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
 #include "compare/options/progress.h"
@@ -63,6 +64,10 @@ std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
   return with_surface_model(load_stack(*name));
 }
 
+[[noreturn]] void refuse_both_grazing(const DirectionPairs& pairs, std::size_t k) {
+  refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
+}
+
 // Pairs that a stack has no answer to.
 void check_pairs(const DirectionPairs& pairs, const Stack& stack, bool wi_only = false) {
   for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
@@ -71,8 +76,8 @@ void check_pairs(const DirectionPairs& pairs, const Stack& stack, bool wi_only =
                   fmt::format("light from below, which {}; allowed: theta_i in [0, 90], mu_i >= 0",
                               stack.substrate ? "meets an opaque substrate"
                                               : "cannot come through a half space"));
-    if (!wi_only && pairs.pairs[k].wi.z == 0 && pairs.pairs[k].wo.z == 0)
-      refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
+    if (!wi_only && grazes_twice(pairs.pairs[k].wi, pairs.pairs[k].wo))
+      refuse_both_grazing(pairs, k);
   }
 }
 
@@ -215,6 +220,29 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   return answer;
 }
 
+// What quadratures of albedos reached, of all pairs.
+class AlbedoAccuracy {
+ public:
+  void add(const AlbedoEstimate& albedo) {
+    if (albedo.end == IntegralEnd::tolerance) return;
+    for (int c = 0; c < 3; ++c)
+      if (albedo.error[c] > worst_ * std::abs(albedo.value[c])) {
+        worst_ = albedo.error[c] / std::abs(albedo.value[c]);
+        end_ = albedo.end;
+      }
+  }
+  /// One line where the error that is asked of every model was not reached.
+  void warn(const std::string& what) const {
+    if (end_ == IntegralEnd::tolerance) return;
+    fmt::print(stderr, "lamella: warning: {}: error {:.1e} of the value at worst, ended by {}\n",
+               what, worst_, reason_of(end_));
+  }
+
+ private:
+  double worst_ = 0;
+  IntegralEnd end_ = IntegralEnd::tolerance;
+};
+
 // MODEL, MODEL.pdf, MODEL.albedo or MODEL.LOBE.
 CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionPairs& pairs) {
   std::optional<Stack> stack;
@@ -256,32 +284,36 @@ CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionP
                                  hint.empty() ? "" : ", " + hint, listed(parts)));
   }
   if (stack) check_pairs(pairs, *stack, part == "albedo");
+  const auto* stochastic = dynamic_cast<const StochasticModel*>(bound.model.get());
+  AlbedoAccuracy accuracy;
   for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
-    const DirectionPair& pair = pairs.pairs[k];
-    if (part == "pdf") {
-      answer.f.emplace_back(bound.model->pdf(pair.wi, pair.wo));
-    } else if (part == "albedo") {
-      answer.f.push_back(bound.model->albedo(with_grazing_limit(pair.wi)));
-    } else if (extra) {
-      answer.f.push_back(
-          extra->eval(bound.parameters, with_grazing_limit(pair.wi), with_grazing_limit(pair.wo)));
-    } else {
-      const bool grazing = pair.wi.z == 0 && pair.wo.z == 0;
-      const auto* estimate =
-          lobe < 0 ? dynamic_cast<const StochasticModel*>(bound.model.get()) : nullptr;
-      const ValueWithError value =
-          estimate ? estimate->eval_with_error(pair.wi, pair.wo)
-                   : ValueWithError{lobe < 0 ? bound.model->eval(pair.wi, pair.wo)
-                                             : bound.model->eval_lobe(lobe, pair.wi, pair.wo),
-                                    Rgb()};
-      const Rgb f = value.f;
-      const bool finite = std::isfinite(f.r + f.g + f.b);
-      if (grazing && !finite)
-        refuse_pair(pairs, k, "both cosines are 0, where there is no limit; allowed: at most one");
-      answer.f.push_back(f);
-      if (estimate) answer.standard_error.push_back(value.standard_error);
+    const Direction wi = with_grazing_limit(pairs.pairs[k].wi);
+    const Direction wo = with_grazing_limit(pairs.pairs[k].wo);
+    if (part == "albedo") {
+      const AlbedoEstimate albedo = bound.model->albedo_with_error(wi);
+      answer.f.push_back(albedo.value);
+      if (stochastic || is_plugin_path(name)) answer.standard_error.push_back(albedo.error);
+      accuracy.add(albedo);
+      continue;
     }
+    const auto value = [&](Direction i, Direction o) {
+      if (part == "pdf") return Rgb(bound.model->pdf(i, o));
+      if (extra) return extra->eval(bound.parameters, i, o);
+      return lobe < 0 ? bound.model->eval(i, o) : bound.model->eval_lobe(lobe, i, o);
+    };
+    if (!grazes_twice(wi, wo)) {
+      answer.f.push_back(value(wi, wo));
+    } else if (const auto limit = limit_where_both_graze(value, wi, wo)) {
+      answer.f.push_back(*limit);
+    } else {
+      refuse_both_grazing(pairs, k);
+    }
+    if (stochastic && part != "pdf" && !extra)
+      answer.standard_error.push_back((lobe < 0 ? stochastic->eval_with_error(wi, wo)
+                                                : stochastic->eval_lobe_with_error(lobe, wi, wo))
+                                          .standard_error);
   }
+  accuracy.warn(what);
   return answer;
 }
 

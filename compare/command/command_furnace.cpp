@@ -59,26 +59,41 @@ int model_furnace(const Options& options, const TruthRequest& truth) {
     Json runs = Json::array();
     for (const Direction wi : truth.directions) {
       const Direction w = with_grazing_limit(wi);
-      const Rgb scattered = bound.model->albedo(w);
+      const AlbedoEstimate scattered = bound.model->albedo_with_error(w);
       const double passed = bound.model->uncollided(w);
       std::string verdict = "pass";
-      Json energy = Json::array();
-      double worst = 0;
+      Json energy = Json::array(), errors = Json::array();
+      double least = 0, most = 0, largest_error = 0;  // what the energy misses, within its error
       for (int c = 0; c < 3; ++c) {
-        const double e = scattered[c] + passed;
+        const double e = scattered.value[c] + passed, error = scattered.error[c];
         if (!std::isfinite(e))
           throw std::domain_error("the model gives a value that is not finite");
         energy.push_back(e);
-        worst = std::max(worst, options.as_is ? e - 1 : std::abs(e - 1));
+        errors.push_back(error);
+        const double missing = options.as_is ? std::max(0.0, e - 1) : std::abs(e - 1);
+        least = std::max(least, missing - error);
+        most = std::max(most, missing + error);
+        largest_error = std::max(largest_error, error);
       }
-      if (worst > tolerance) verdict = "fail";
+      if (least > tolerance)
+        verdict = "fail";
+      else if (most > tolerance)
+        verdict = "inconclusive";
       overall = worse(overall, verdict);
-      runs.push_back(
-          {{"mu_i", wi.z}, {"phi_i", phi_degrees(wi)}, {"energy", energy}, {"verdict", verdict}});
+      runs.push_back({{"mu_i", wi.z},
+                      {"phi_i", phi_degrees(wi)},
+                      {"energy", energy},
+                      {"energy_error", errors},
+                      {"ended_by", to_text(scattered.end)},
+                      {"verdict", verdict}});
       if (!options.quiet)
-        fmt::print(out, "{} theta_i {:g}: energy {:.6f} {:.6f} {:.6f}, {}\n", bound.info->name,
-                   theta_degrees(wi), energy[0].get<double>(), energy[1].get<double>(),
-                   energy[2].get<double>(), verdict);
+        fmt::print(out, "{} theta_i {:g}: energy {:.6f} {:.6f} {:.6f} +- {:.1e}{}, {}\n",
+                   bound.info->name, theta_degrees(wi), energy[0].get<double>(),
+                   energy[1].get<double>(), energy[2].get<double>(), largest_error,
+                   scattered.end == IntegralEnd::tolerance
+                       ? ""
+                       : fmt::format(" ({})", reason_of(scattered.end)),
+                   verdict);
     }
     needs_stack = needs_stack || bound.info->needs_stack;
     list.push_back({{"name", bound.info->name}, {"runs", std::move(runs)}});

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
 #include "analytic/catalogue/model_plugin.h"
+#include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
 #include "compare/fit/albedo_inversion.h"
 #include "compare/options/progress.h"
@@ -73,7 +75,7 @@ std::string text_of(Rgb c) {
 
 struct CsvAnswer {
   AlbedoInversion inversion;
-  Rgb standard_error;  // of the albedo, from a simulation's noise
+  Rgb standard_error;  // of the albedo, from a simulation's noise or the error of a quadrature
 };
 
 CsvAnswer invert_model(const std::string& name, const ModelInfo& info, const KeyValues& values,
@@ -86,16 +88,29 @@ CsvAnswer invert_model(const std::string& name, const ModelInfo& info, const Key
       throw UsageError(fmt::format(
           "{}: key \"albedo\": found {}; allowed: nothing, it is looked for", name, value));
   const Lighting lighting = lighting_of(options, closed, nullptr);
+  Rgb error;  // of the last colour
   const auto color = [&](Rgb albedo) {
     ModelRequest request{name, values};
     request.values.emplace_back("albedo", text_of(albedo));
     const BoundModel bound = bind_model(request, nullptr);
+    const bool stochastic = dynamic_cast<const StochasticModel*>(bound.model.get()) != nullptr;
     Rgb sum;
-    for (const auto& [wi, weight] : lighting.directions)
-      sum += weight * bound.model->albedo(with_grazing_limit(wi));
+    error = Rgb();
+    for (const auto& [wi, weight] : lighting.directions) {
+      const AlbedoEstimate seen = bound.model->albedo_with_error(with_grazing_limit(wi));
+      sum += weight * seen.value;
+      // The random numbers of a stochastic model are the same for every albedo.
+      if (!stochastic) error += weight * seen.error;
+    }
     return sum;
   };
-  return {invert_albedo(color, target, kModelTolerance), Rgb()};
+  // Closer than the error of the colours is no use: in single precision they have noise.
+  (void)color(Rgb(1));
+  Answer answer{invert_albedo(color, target, std::max(kModelTolerance, error.max())), Rgb()};
+  for (int c = 0; c < 3; ++c)
+    if (error[c] > kModelTolerance)
+      answer.standard_error[c] = error[c] / std::abs(answer.inversion.slope[c]);
+  return answer;
 }
 
 CsvAnswer invert_stack(const Stack& stack, Rgb target, const Options& options,

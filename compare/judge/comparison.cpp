@@ -137,7 +137,7 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model,
   return std::min(1.0, 2 * std::min(broad, local));
 }
 
-// Whether each cell of the model is as near to the truth as the truth's bound and the accuracy of
+// Whether each cell of the model is as near to the truth as the truth's bound and what is known of
 // the projection allow.
 bool is_within_bounds(const LobeComparison& l) {
   double mean = 0;
@@ -145,7 +145,8 @@ bool is_within_bounds(const LobeComparison& l) {
   for (std::size_t k = 0; k < l.truth.size(); ++k) {
     const double projection =
         kProjectionTolerance * std::max(std::abs(l.model[k]), kProjectionFloor * mean);
-    if (std::abs(l.model[k] - l.truth[k]) > l.standard_error[k] + projection) return false;
+    const double open = l.projection_error.empty() ? 0 : l.projection_error[k];
+    if (std::abs(l.model[k] - l.truth[k]) > l.standard_error[k] + projection + open) return false;
   }
   return true;
 }
@@ -199,6 +200,9 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     l.standard_error = side.lobes[o].standard_error;
     l.model = model.lobes[o];
     l.model_error = noise_of_parts(model.parts, o);
+    const std::vector<double>& open = model.errors[o];
+    if (std::any_of(open.begin(), open.end(), [](double e) { return e > 0; }))
+      l.projection_error = open;
     l.bounded = !batches;
     const std::size_t cells = run.grid.cells(), n = l.truth.size();
     std::vector<int> channel_of(n);
@@ -236,7 +240,9 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     if (batches || !model.parts.empty()) {
       if (!batches) sums = same_in_batches(l.truth, model.parts.size());
       add_noise(sums, model.parts, o);
-      const std::vector<double> bounds = batches ? std::vector<double>(n) : l.standard_error;
+      std::vector<double> bounds = batches ? std::vector<double>(n) : l.standard_error;
+      for (std::size_t k = 0; k < l.projection_error.size(); ++k)
+        bounds[k] += l.projection_error[k];
       l.p_value = p_value_of(sums, l.model, bounds, run.grid, run.channels);
     } else {
       l.p_value = is_within_bounds(l) ? 1 : 0;

@@ -33,6 +33,8 @@ struct LobeComparison {
   // The maps, [channel][cell].
   std::vector<double> truth, standard_error, model;
   std::vector<double> model_error;  ///< standard errors of a stochastic model; else empty
+  /// What the projection left open beyond kProjectionTolerance, per cell; empty if nothing.
+  std::vector<double> projection_error;
 
   /// (model - truth) / the standard error of both; 0 in cells without one.
   [[nodiscard]] std::vector<double> z() const;

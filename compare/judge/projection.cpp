@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <boost/math/quadrature/gauss.hpp>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -13,7 +14,6 @@ namespace lamella {
 namespace {
 
 constexpr int kPoints = 4;  // per panel and dimension
-constexpr int kMaxPanels = 32;
 
 using Values = std::vector<Rgb>;  // per order and all
 
@@ -75,6 +75,14 @@ class CellIntegrator {
   double side_;
 };
 
+// |a - b| per order and channel.
+Values change(const Values& a, const Values& b) {
+  Values d(a.size());
+  for (std::size_t o = 0; o < a.size(); ++o)
+    for (int c = 0; c < 3; ++c) d[o][c] = std::abs(a[o][c] - b[o][c]);
+  return d;
+}
+
 bool close(const Values& a, const Values& b, const Values& scale) {
   for (std::size_t o = 0; o < a.size(); ++o)
     for (int c = 0; c < 3; ++c) {
@@ -108,10 +116,19 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
     for (int o = 0; o <= kOrders; ++o)
       for (int c = 0; c < 3; ++c) scale[o][c] += std::abs(v[o][c]) / cells;
 
+  const auto start = std::chrono::steady_clock::now();
+  const auto is_late = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >
+           kProjectionSeconds;
+  };
+  const Values nothing(kOrders + 1);
+  std::vector<Values> open(cells, nothing);
   tbb::parallel_for(0, cells, [&](int cell) {
-    for (int panels = 2; panels <= kMaxPanels; panels *= 2) {
+    open[cell] = change(coarse[cell], nothing);  // unrefined, nothing is known of it
+    for (int panels = 2; panels <= kProjectionPanels && !is_late(); panels *= 2) {
       const Values fine = integrator.means(cell, panels);
       const bool done = close(coarse[cell], fine, scale);
+      open[cell] = done ? nothing : change(coarse[cell], fine);
       coarse[cell] = fine;
       if (done) break;
     }
@@ -127,6 +144,7 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   result.has[kOrders] = true;
   for (const LobeInfo& lobe : info.lobes) result.has[static_cast<int>(lobe.order)] = true;
   result.lobes = by_channel(coarse, channels);
+  result.errors = by_channel(open, channels);
   if (const auto* stochastic = dynamic_cast<const StochasticModel*>(&model))
     for (const auto& part : stochastic->split(kBatches)) {
       const CellIntegrator rough(*part, info, wi, grid, up);

@@ -13,6 +13,9 @@ namespace lamella {
 struct ProjectedLobes {
   std::array<std::vector<double>, kOrders + 1> lobes;
   std::array<bool, kOrders + 1> has{};  ///< whether the model has a lobe of that order; all: true
+  /// What refinement left open, per cell like the values: the last change, 0 where that is within
+  /// kProjectionTolerance. Jumps, noise and features narrower than a panel leave something.
+  std::array<std::vector<double>, kOrders + 1> errors;
   /// Of a stochastic model: lobes of independent estimates of it, whose scatter is its noise.
   std::vector<std::array<std::vector<double>, kOrders + 1>> parts;
 };
@@ -22,8 +25,14 @@ inline constexpr double kProjectionTolerance = 1e-4;
 /// Share of the lobe's mean below which a cell's value no longer counts in that.
 inline constexpr double kProjectionFloor = 1e-3;
 
+/// Most panels of a cell along mu and along phi, of four by four points each.
+inline constexpr int kProjectionPanels = 32;
+/// After this time cells are refined no further, whatever is left open.
+inline constexpr double kProjectionSeconds = 30;
+
 /// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
-/// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean). `up`: the
+/// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean), at most
+/// kProjectionPanels times along mu and phi, and for at most kProjectionSeconds of time. `up`: the
 /// side w_o lies on; channels: 1 or 3. A stochastic model's parts, as many as a run has batches,
 /// are projected without refinement: noise need not be known so well. Runs in the calling thread's
 /// task arena.

@@ -19,7 +19,7 @@ Direction direction_from_degrees(double theta, double phi) {
 }
 
 Direction with_grazing_limit(Direction w) {
-  if (w.z == 0) w.z = kGrazingLimit;
+  if (std::abs(w.z) < kGrazingLimit) w.z = w.z < 0 ? -kGrazingLimit : kGrazingLimit;
   return w;
 }
 

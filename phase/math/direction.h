@@ -19,7 +19,7 @@ inline constexpr double kGrazingLimit = 1e-150;
 /// multiples of 90 degrees of phi fall exactly on the axes.
 [[nodiscard]] Direction direction_from_degrees(double theta, double phi);
 
-/// w with mu = 0 replaced by the limit from above; any other direction as it is.
+/// w with |mu| below kGrazingLimit replaced by the limit on its side (mu = 0: from above).
 [[nodiscard]] Direction with_grazing_limit(Direction w);
 
 /// Azimuth of w in [0, 2 pi).

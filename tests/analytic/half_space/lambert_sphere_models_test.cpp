@@ -5,10 +5,10 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/legendre.hpp>
 
-#include "analytic/model/hemisphere_quadrature.h"
 #include "phase/medium/lambert_sphere.h"
 #include "phase/stack/stack_file.h"
 #include "tests/analytic/model/model_checks.h"
+#include "tests/analytic/model/nested_quadrature.h"
 #include "tests/analytic/model/successive_orders.h"
 
 namespace lamella {

@@ -5,9 +5,9 @@
 #include "analytic/half_space/lambert_sphere_models.h"
 #include "analytic/half_space/vmf_sigma_fit.h"
 #include "analytic/layered/single_scattering_model.h"
-#include "analytic/model/hemisphere_quadrature.h"
 #include "phase/stack/stack_file.h"
 #include "tests/analytic/model/model_checks.h"
+#include "tests/analytic/model/nested_quadrature.h"
 #include "tests/analytic/model/successive_orders.h"
 
 namespace lamella {

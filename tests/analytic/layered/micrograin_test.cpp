@@ -4,8 +4,8 @@
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
-#include "analytic/model/hemisphere_quadrature.h"
 #include "tests/analytic/model/model_checks.h"
+#include "tests/analytic/model/nested_quadrature.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "analytic/model/hemisphere_quadrature.h"
+#include "tests/analytic/model/nested_quadrature.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella::testing {

@@ -4,9 +4,9 @@
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
-#include "analytic/model/hemisphere_quadrature.h"
 #include "analytic/model/stochastic_model.h"
 #include "tests/analytic/model/model_checks.h"
+#include "tests/analytic/model/nested_quadrature.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "analytic/model/hemisphere_quadrature.h"
 #include "analytic/model/model.h"
+#include "tests/analytic/model/nested_quadrature.h"
 
 namespace lamella {
 namespace {

@@ -7,6 +7,9 @@
 
 namespace lamella {
 
+// An integral over a hemisphere whose code shares nothing with analytic/model/directional_integral:
+// for smooth functions only, since nothing but the depth of its rules ends it.
+
 /// Integral of g(w) |mu| dw over the upper (side = +1) or lower (side = -1) hemisphere, g a
 /// function of a direction with values in double. Nested adaptive Gauss-Kronrod rules in mu and
 /// phi, phi split at multiples of pi / 2; relative tolerance per rule.

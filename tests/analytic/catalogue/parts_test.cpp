@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "analytic/model/stochastic_model.h"
+#include "tests/analytic/model/model_checks.h"
+
+namespace lamella {
+namespace {
+
+using Values = std::vector<std::pair<std::string, ParameterValue>>;
+
+ParameterValue other(const ParameterInfo& p) {
+  const ParameterValue usual = parse_value(p, p.default_value);
+  if (p.kind == ParameterKind::choice)
+    return *std::find_if(p.choices.begin(), p.choices.end(),
+                         [&](const std::string& c) { return c != std::get<std::string>(usual); });
+  if (p.kind == ParameterKind::color) return Rgb(0.3, 0.2, 0.6);
+  const double x = std::get<double>(usual), most = std::min(p.max, 2 * std::abs(x) + 1);
+  return p.name == "walks" ? 100.0 : p.name == "terms" ? 1.0 : x + 0.4 * (most - x);
+}
+
+std::vector<double> numbers(const std::function<Rgb(Direction, Direction)>& f) {
+  std::vector<double> list;
+  for (const double mu_i : {0.9, 0.4})
+    for (const double mu_o : {0.7, 0.2})
+      for (const double phi : {0.0, 3.0}) {
+        const Rgb v = f(direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, phi));
+        list.insert(list.end(), {v.r, v.g, v.b});
+      }
+  return list;
+}
+
+std::vector<double> part(const ModelInfo& info, const std::string& name, Values values) {
+  Parameters p;
+  for (const auto& [key, value] : values) p.set(key, value);
+  fill_defaults(info.parameters, p);
+  for (const PartInfo& extra : info.parts)
+    if (extra.name == name)
+      return numbers([&](Direction i, Direction o) { return extra.eval(p, i, o); });
+  const auto model = info.make(p, nullptr);
+  if (name == "pdf")
+    return numbers([&](Direction i, Direction o) { return Rgb(model->pdf(i, o)); });
+  return numbers([&](Direction i, Direction o) { return model->eval(i, o); });
+}
+
+TEST(Parts, EveryKeyOfAModelChangesItsValuesOrItsSampler) {
+  for (const ModelInfo& info : models()) {
+    if (info.needs_stack) continue;
+    for (const ParameterInfo& p : info.parameters) {
+      if (p.name.starts_with("bulk_") && p.name != "bulk_albedo") continue;  // of another entry
+      // What a key needs beside it to matter.
+      Values base;
+      if (info.name == "micrograin") {
+        base = {{"surface", std::string("dielectric")}, {"bulk_albedo", Rgb(0.5)}};
+        if (p.name == "f0") base[0].second = std::string("conductor");
+        if (p.name == "terms") base.emplace_back("shadowing", std::string("series"));
+      }
+      Values changed = base;
+      changed.emplace_back(p.name, other(p));
+      EXPECT_TRUE(part(info, "", base) != part(info, "", changed) ||
+                  part(info, "pdf", base) != part(info, "pdf", changed))
+          << info.name << ' ' << p.name;
+    }
+  }
+}
+
+TEST(Parts, WhatAPaperTabulatesDependsOnItsKeysAndNoOthers) {
+  const std::map<std::string, std::vector<std::string>> keys{
+      {"ndf", {"tau0", "beta"}},
+      {"tau", {"tau0", "beta"}},
+      {"tau_plus", {"tau0", "beta"}},
+      {"weight", {"tau0", "beta"}},
+      {"g1", {"tau0", "beta", "shadowing", "terms"}}};
+  std::size_t seen = 0;
+  for (const ModelInfo& info : models())
+    for (const PartInfo& extra : info.parts) {
+      ASSERT_TRUE(keys.contains(extra.name)) << info.name << '.' << extra.name;
+      const auto& mine = keys.at(extra.name);
+      ++seen;
+      for (const ParameterInfo& p : info.parameters) {
+        Values base;
+        if (p.name == "terms") base = {{"shadowing", std::string("series")}};
+        Values changed = base;
+        changed.emplace_back(p.name, other(p));
+        const bool changes = part(info, extra.name, base) != part(info, extra.name, changed);
+        EXPECT_EQ(changes, std::find(mine.begin(), mine.end(), p.name) != mine.end())
+            << info.name << '.' << extra.name << ' ' << p.name;
+      }
+    }
+  EXPECT_EQ(seen, keys.size());
+}
+
+TEST(Parts, TheShadowingOfMicrograinsIsThatOfItsKey) {
+  const ModelInfo& info = *find_model("micrograin");
+  const double tau0 = 0.9, beta = 0.7;
+  for (const PartInfo& extra : info.parts) {
+    if (extra.name != "g1") continue;
+    for (const double mu : {0.9, 0.1}) {
+      const auto g1 = [&](const char* shadowing) {
+        Parameters p;
+        p.set("tau0", tau0);
+        p.set("beta", beta);
+        p.set("shadowing", std::string(shadowing));
+        fill_defaults(info.parameters, p);
+        return extra.eval(p, direction_from_mu_phi(mu, 0), {0, 0, 1}).r;
+      };
+      // GGX: 2 / (1 + sqrt(1 + alpha^2 tan^2)), alpha^2 = beta^2 tau0 / -log(1 - tau0) (eq. 18).
+      const double a2 = beta * beta * tau0 / -std::log1p(-tau0);
+      EXPECT_NEAR(g1("ggx"), 2 / (1 + std::sqrt(1 + a2 * (1 - mu * mu) / (mu * mu))), 1e-14);
+      EXPECT_GT(std::abs(g1("smith") - g1("ggx")), 1e-3) << mu;
+      EXPECT_NE(g1("series"), g1("smith"));
+    }
+  }
+}
+
+TEST(Parts, LobesOfStochasticModelsHaveTheirErrors) {
+  const Direction wi = direction_from_degrees(50, 0), wo = direction_from_degrees(20, 60);
+  // Means over seeds scatter as the errors say.
+  constexpr int kSeeds = 200;
+  std::array<double, 5> sum{}, squares{}, told{};
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const auto model = testing::make_model(
+        "beckmann_diffuse",
+        {{"alpha", 1.0}, {"albedo", 0.9}, {"walks", 256.0}, {"seed", seed + 1.0}});
+    const auto& stochastic = dynamic_cast<const StochasticModel&>(*model);
+    for (int lobe = 0; lobe <= 4; ++lobe) {
+      const ValueWithError v = lobe < 4 ? stochastic.eval_lobe_with_error(lobe, wi, wo)
+                                        : ValueWithError{model->albedo_with_error(wi).value,
+                                                         model->albedo_with_error(wi).error};
+      if (lobe < 4) {
+        EXPECT_NEAR(v.f.g, model->eval_lobe(lobe, wi, wo).g, 1e-14);
+      }
+      sum[lobe] += v.f.g;
+      squares[lobe] += v.f.g * v.f.g;
+      told[lobe] += v.standard_error.g * v.standard_error.g;
+    }
+  }
+  for (int lobe = 0; lobe <= 4; ++lobe) {
+    const double n = kSeeds, variance = (squares[lobe] - sum[lobe] * sum[lobe] / n) / (n - 1);
+    // A variance of 200 values is known to 10 %.
+    EXPECT_NEAR(variance / (told[lobe] / n), 1, 0.45) << lobe;
+  }
+}
+
+}  // namespace
+}  // namespace lamella
