@@ -6,7 +6,8 @@
  *     const lamella_model_v1_t lamella_model_v1 = {.version = LAMELLA_MODEL_V1, ...};
  *
  * Directions are unit, point away from the surface, z up: three doubles x, y, z; z is never 0 in
- * eval, 1e-150 stands for its limit from above. Values are f [1/sr],
+ * eval, 1e-150 stands for its limit from above (0 in single precision: clamp it before a division).
+ * Values are f [1/sr],
  * the BSDF without the cosine, three doubles r, g, b. Every function may be called from several
  * threads at once. All strings are UTF-8, one line, and live as long as the object. */
 #ifndef LAMELLA_MODEL_H

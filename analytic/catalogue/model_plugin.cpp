@@ -3,7 +3,9 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -19,6 +21,9 @@ constexpr const char* kSymbol = "lamella_model_v1";
 constexpr std::uint32_t kMostEntries = 64;
 
 using Entry = lamella_model_v1_t;
+
+// Relative error of a formula in single precision beyond its noise: four units in the last place.
+constexpr double kSingleRounding = 4 * 0x1p-23;
 
 bool is_name(const char* text) {
   if (!text || !*text) return false;
@@ -112,6 +117,16 @@ class PluginModel final : public Model {
     }
   }
 
+  /// Rounding of constants and parameters in single precision errs alike in all values: no
+  /// difference of neighbours shows it.
+  [[nodiscard]] AlbedoEstimate albedo_with_error(Direction wi) const override {
+    AlbedoEstimate albedo = Model::albedo_with_error(wi);
+    if (single_precision_)
+      for (int c = 0; c < 3; ++c)
+        albedo.error[c] = std::max(albedo.error[c], kSingleRounding * albedo.value[c]);
+    return albedo;
+  }
+
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
                                                 double u3) const override {
     if (!entry_.sample) return Model::sample(wo, u1, u2, u3);
@@ -164,12 +179,18 @@ class PluginModel final : public Model {
       if (!(values[k] >= 0) || std::isinf(values[k]))
         refuse(fmt::format("lobe \"{}\"", entry_.lobes[k / (3 * n)].name), values[k],
                pairs[k / 3 % n]);
+    if (single_precision_ && !std::all_of(values.begin(), values.end(), [](double v) {
+          return static_cast<double>(static_cast<float>(v)) == v;
+        }))
+      single_precision_ = false;
     return values;
   }
 
   const Entry& entry_;
   std::string path_;
   void* state_ = nullptr;
+  /// Whether every value so far was one of single precision.
+  mutable std::atomic<bool> single_precision_ = true;
 };
 
 std::string text_of(const char* text) { return text ? text : ""; }

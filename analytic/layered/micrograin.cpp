@@ -1,5 +1,6 @@
 #include "analytic/layered/micrograin.h"
 
+#include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
@@ -254,8 +255,12 @@ const std::string kBulkKey = "bulk_";
 std::unique_ptr<const Model> make_bulk(const Parameters& p) {
   const ModelInfo& info = *find_model(p.choice("bulk"));
   Parameters below;
-  for (const ParameterInfo& parameter : info.parameters)
-    below.set(parameter.name, checked(parameter, p.at(kBulkKey + parameter.name)));
+  for (const ParameterInfo& parameter : info.parameters) {
+    // The range of this model, under the name that the key has here.
+    ParameterInfo own = parameter;
+    own.name = kBulkKey + parameter.name;
+    below.set(parameter.name, checked(own, p.at(own.name)));
+  }
   return info.make(below, nullptr);
 }
 
@@ -464,7 +469,23 @@ void offer_bulk_models(std::vector<ModelInfo>& models) {
     if (info.needs_stack) continue;
     names.push_back(info.name);
     for (const ParameterInfo& p : info.parameters) {
-      if (find(keys, kBulkKey + p.name) || p.name == "albedo") continue;
+      if (p.name == "albedo") continue;
+      const auto known = std::find_if(keys.begin(), keys.end(), [&](const ParameterInfo& k) {
+        return k.name == kBulkKey + p.name;
+      });
+      if (known != keys.end()) {
+        // A key of several models has what any of them allows; each checks its own range.
+        if (p.min < known->min || (p.min == known->min && !p.min_open))
+          known->min_open = p.min_open;
+        if (p.max > known->max || (p.max == known->max && !p.max_open))
+          known->max_open = p.max_open;
+        known->min = std::min(known->min, p.min);
+        known->max = std::max(known->max, p.max);
+        for (const std::string& word : p.choices)
+          if (std::find(known->choices.begin(), known->choices.end(), word) == known->choices.end())
+            known->choices.push_back(word);
+        continue;
+      }
       ParameterInfo key = p;
       key.name = kBulkKey + p.name;
       key.doc = "of the surface below, where it has it: " + p.doc;

@@ -253,7 +253,8 @@ void Integral::find_peaks(Direction wi, std::span<const double> sides) {
     const Direction towards = wi.z * side < 0 ? -wi : wi;
     for (const Direction& w :
          {Direction{0, 0, side}, towards, Direction{-towards.x, -towards.y, towards.z}})
-      directions_.push_back(with_grazing_limit(w));
+      // Next to the horizon there is no room for a peak, and models may have no value.
+      if (std::abs(w.z) > kNarrowest) directions_.push_back(w);
   }
   evaluate();
   for (std::size_t k = 0; k < directions_.size(); ++k) {

@@ -83,6 +83,11 @@ class ClosedFormCommands(ProgramTest):
         self.assertTrue(0 < se < 0.1 * f)
         repeat = self.lamella("eval", "beckmann_diffuse", "alpha=1", "--pairs", pairs).out
         self.assertEqual(out, repeat)
+        for part in ("f1", "f2", "f3", "fm", "albedo"):
+            header, row = self.lamella("eval", f"beckmann_diffuse.{part}", "alpha=1", "albedo=0.5",
+                                       "--pairs", pairs).out.splitlines()
+            self.assertTrue(header.endswith(",f,se"), part)
+            self.assertGreater(float(row.split(",")[5]), 0, part)
 
 
 class ModelsOfOnesOwn(ProgramTest):
@@ -96,6 +101,45 @@ class ModelsOfOnesOwn(ProgramTest):
         self.assertAlmostEqual(float(rows[1].split(",")[4]), 0.3183098861837907, places=12)
         self.lamella("furnace", "--model", "./minnaert.so,k=1", "--quiet")
         self.lamella("furnace", "--model", "./minnaert.so,k=0.5", "--quiet", status=1)
+
+    def test_single_precision_ends_with_its_error(self):
+        folder = os.environ["LAMELLA_PLUGINS"]
+        keys = "alpha=0.3,roughness=0.7,albedo=0.8"
+        runs = {}
+        for name in ("single_precision", "double_precision"):
+            answer = self.json_of("furnace", "--as-is", "--quiet", "--max-error", "10", "--model",
+                                  f"{folder}/{name}.so,{keys}")
+            runs[name] = answer["runs"]
+        for one, right in zip(runs["single_precision"], runs["double_precision"]):
+            self.assertEqual(right["ended_by"], "tolerance")
+            for e, error, exact, bound in zip(one["energy"], one["energy_error"],
+                                              right["energy"], right["energy_error"]):
+                self.assertLess(error, 1e-4)
+                self.assertLessEqual(abs(e - exact), error + bound)
+        pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,1,0\n")
+        answer = self.lamella("eval", f"{folder}/single_precision.so.albedo", "alpha=0.01",
+                              "--pairs", pairs)
+        header, row = answer.out.splitlines()
+        self.assertTrue(header.endswith(",f,se"))
+        self.assertGreater(float(row.split(",")[5]), 0)
+        self.assertEqual(answer.err.count("\n"), 1)
+        self.assertIn("ended by noise", answer.err)
+
+    def test_whatever_its_values_a_furnace_ends(self):
+        folder = os.environ["LAMELLA_PLUGINS"]
+        for kind, ended, status in ((0, "noise", 0), (1, "limit", 1), (2, "limit", 0),
+                                    (7, "limit", 1)):
+            with self.subTest(kind):
+                answer = self.json_of("furnace", "--quiet", "--wi", "40", "--model",
+                                      f"{folder}/hostile.so,kind={kind}", status=status)
+                self.assertEqual(answer["runs"][0]["ended_by"], ended)
+                # Noise and a value without an integral leave errors above the tolerance.
+                self.assertEqual(answer["verdict"], "fail" if status else "inconclusive")
+        for kind in (4, 5, 6):
+            with self.subTest(kind):
+                answer = self.lamella("furnace", "--quiet", "--model",
+                                      f"{folder}/hostile.so,kind={kind}", status=3)
+                self.assertEqual(len(answer.err.splitlines()), 1)
 
     def test_broken_ones_are_refused(self):
         folder = os.environ["LAMELLA_PLUGINS"]

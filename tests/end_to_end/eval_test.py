@@ -58,6 +58,33 @@ class EvalAnswersInCsv(ProgramTest):
         for x, y in zip(a, b):
             self.assertAlmostEqual(x[0] / y[0], 1, delta=1e-12)
 
+    def test_both_cosines_at_zero_are_refused_or_the_limit(self):
+        self.write("grazing.csv", COSINES + "\n0,0,0,0\n")
+        self.write("tiny.csv", COSINES + "\n1e-300,0,5e-324,0\n")
+        for model in ("chandrasekhar", "eon", "eon_approx", "fon", "oren_nayar_full", "oren_nayar",
+                      "oren_nayar_footnote", "fujii_qualitative", "lambert_sphere",
+                      "lambert_sphere_fast", "lambert_sphere_three_term",
+                      "lambert_sphere_three_term_pure", "hapke_lambert_sphere", "vmf_diffuse",
+                      "vmf_diffuse_printed", "beckmann_diffuse"):
+            for name in ("grazing.csv", "tiny.csv"):
+                with self.subTest(model, pairs=name):
+                    answer = self.lamella("eval", model, "--pairs", name, status=2)
+                    self.assertIn(f"{name}:2", answer.err)
+                    self.assertIn("both cosines are 0", answer.err)
+        for words in (("lambert",), ("eon", "roughness=0"), ("vmf_diffuse", "roughness=0"),
+                      ("micrograin",)):
+            _, values = self.eval(*words, rows=("0,0,0,0",))
+            self.assertAlmostEqual(values[0][0], 1 / math.pi, delta=1e-14)
+        self.assertEqual(self.eval("chandrasekhar", "albedo=0", rows=("0,0,0,0",))[1], [[0.0]])
+        _, values = self.eval("eon.ms", rows=("0,0,0,0",))
+        self.assertLess(values[0][0], 1e-100)
+        for model in ("eon", "lambert_sphere", "chandrasekhar", "vmf_diffuse"):
+            _, values = self.eval(model, rows=("0,0,0.5,30", "1e-300,0,0.5,30",
+                                               "5e-324,0,0.5,30", "1e-12,0,0.5,30"))
+            self.assertEqual(values[0], values[1])
+            self.assertEqual(values[0], values[2])
+            self.assertAlmostEqual(values[0][0], values[3][0], delta=1e-4)
+
     def test_media_by_closed_forms(self):
         _, sigma = self.eval("media.sggx.sigma", "roughness=0.5", rows=("0.6,0,1,0",))
         self.assertAlmostEqual(sigma[0][0], math.sqrt(0.36 + 0.25 * 0.64), delta=1e-15)

@@ -76,9 +76,9 @@ std::unique_ptr<Model> facets(const std::string& precision, double alpha, double
 }
 
 TEST(ModelPlugin, InSinglePrecisionAlbedosEndWithTheirError) {
-  for (const double alpha : {0.01, 0.1, 0.5, 1.0})
+  for (const double alpha : {0.01, 0.3, 1.0})
     for (const double roughness : {0.0, 0.7})
-      for (const double theta : {0.0, 45.0, 80.0, 89.0, 90.0}) {
+      for (const double theta : {0.0, 45.0, 89.0, 90.0}) {
         SCOPED_TRACE(::testing::Message() << alpha << ' ' << roughness << ' ' << theta);
         const Direction wi = with_grazing_limit(direction_from_degrees(theta, 30));
         const AlbedoEstimate found =
