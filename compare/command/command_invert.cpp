@@ -106,7 +106,7 @@ CsvAnswer invert_model(const std::string& name, const ModelInfo& info, const Key
   };
   // Closer than the error of the colours is no use: in single precision they have noise.
   (void)color(Rgb(1));
-  Answer answer{invert_albedo(color, target, std::max(kModelTolerance, error.max())), Rgb()};
+  CsvAnswer answer{invert_albedo(color, target, std::max(kModelTolerance, error.max())), Rgb()};
   for (int c = 0; c < 3; ++c)
     if (error[c] > kModelTolerance)
       answer.standard_error[c] = error[c] / std::abs(answer.inversion.slope[c]);

@@ -15,7 +15,7 @@ namespace lamella {
 namespace {
 
 void refuse_double_grazing(const DirectionPair& pair) {
-  if (pair.wi.z == 0 && pair.wo.z == 0)
+  if (std::abs(pair.wi.z) < kGrazingLimit && std::abs(pair.wo.z) < kGrazingLimit)
     throw std::invalid_argument("both cosines are 0; allowed: at most one");
 }
 

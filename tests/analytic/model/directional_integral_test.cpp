@@ -66,7 +66,7 @@ TEST(DirectionalIntegral, PeaksWhereModelsHaveThemAreFound) {
               return Rgb(std::exp(-(dx * dx + dy * dy) / (width * width)) / (kPi * width * width));
             }),
             light, kUpper);
-        SCOPED_TRACE(testing::Message() << width << ' ' << theta);
+        SCOPED_TRACE(::testing::Message() << width << ' ' << theta);
         expect_integral(found, 1, 1e-6);
       }
     }
