@@ -255,43 +255,6 @@ double TextbookResult::reflected_error() const {
   return std::sqrt(std::max(0.0, reflected2 / n - mean * mean) / n);
 }
 
-TextbookWalk::TextbookWalk(const TextbookCase& what, Direction wi, TextbookTally tally,
-                           std::vector<Direction> points, std::uint64_t seed,
-                           TextbookGenerator generator)
-    : case_(what),
-      wi_(wi),
-      tally_(tally),
-      points_(std::move(points)),
-      generator_(generator),
-      seed_(seed),
-      state_(seed * 0x9E3779B97F4A7C15ULL),
-      increment_(2 * seed + 1) {
-  const std::size_t targets = tally == TextbookTally::cells ? kMuCells * kPhiCells : points_.size();
-  result_.f.resize(targets);
-  result_.f2.resize(targets);
-  advance_ = with_medium(
-      case_, [&](const auto& medium) -> std::function<void(TextbookWalk&, std::uint64_t)> {
-        for (const Direction wo : points_) rate_.push_back(medium.out_sigma(-wo) / wo.z);
-        return [medium](TextbookWalk& self, std::uint64_t more) { self.walk_in(medium, more); };
-      });
-}
-
-void TextbookWalk::advance(std::uint64_t walks) { advance_(*this, walks); }
-
-template <class Medium>
-void TextbookWalk::walk_in(Medium medium, std::uint64_t walks) {
-  if (generator_ == TextbookGenerator::engine) {
-    EngineNumbers rng{seed_};
-    return loop<true>(medium, rng, walks);
-  }
-  Pcg32 rng{state_, increment_};
-  if (case_.weighted_events == kWeightedEvents)
-    loop<true>(medium, rng, walks);
-  else
-    loop<false>(medium, rng, walks);
-  state_ = rng.state;
-}
-
 template <bool kUsual, class Medium, class Generator>
 void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walks) {
   const double depth = case_.depth, albedo = case_.albedo;
@@ -352,6 +315,43 @@ void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walk
   result_.walks += walks;
   result_.collisions += collisions;
 }
+
+template <class Medium>
+void TextbookWalk::walk_in(Medium medium, std::uint64_t walks) {
+  if (generator_ == TextbookGenerator::engine) {
+    EngineNumbers rng{seed_};
+    return loop<true>(medium, rng, walks);
+  }
+  Pcg32 rng{state_, increment_};
+  if (case_.weighted_events == kWeightedEvents)
+    loop<true>(medium, rng, walks);
+  else
+    loop<false>(medium, rng, walks);
+  state_ = rng.state;
+}
+
+TextbookWalk::TextbookWalk(const TextbookCase& what, Direction wi, TextbookTally tally,
+                           std::vector<Direction> points, std::uint64_t seed,
+                           TextbookGenerator generator)
+    : case_(what),
+      wi_(wi),
+      tally_(tally),
+      points_(std::move(points)),
+      generator_(generator),
+      seed_(seed),
+      state_(seed * 0x9E3779B97F4A7C15ULL),
+      increment_(2 * seed + 1) {
+  const std::size_t targets = tally == TextbookTally::cells ? kMuCells * kPhiCells : points_.size();
+  result_.f.resize(targets);
+  result_.f2.resize(targets);
+  advance_ = with_medium(
+      case_, [&](const auto& medium) -> std::function<void(TextbookWalk&, std::uint64_t)> {
+        for (const Direction wo : points_) rate_.push_back(medium.out_sigma(-wo) / wo.z);
+        return [medium](TextbookWalk& self, std::uint64_t more) { self.walk_in(medium, more); };
+      });
+}
+
+void TextbookWalk::advance(std::uint64_t walks) { advance_(*this, walks); }
 
 const char* describe(TextbookMedium medium) {
   switch (medium) {

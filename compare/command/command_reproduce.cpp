@@ -13,8 +13,11 @@
 #include "volume/grains/grain_scene.h"
 
 namespace lamella {
+namespace {
 
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 const std::vector<Reproduction>& reproductions() {
   static const std::vector<Reproduction> list{
