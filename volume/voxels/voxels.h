@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 namespace lamella {
@@ -74,7 +76,7 @@ class VoxelField {
         block = {};
         return;
       }
-      block = {static_cast<std::uint32_t>(values_.size()), mask};
+      block = {next_offset(), mask};
       values_.resize(values_.size() + values.size());
     }
     std::copy(values.begin(), values.end(), values_.begin() + block.offset);
@@ -85,7 +87,7 @@ class VoxelField {
     if (block.mask == 0) {
       const Value before = values_[block.offset];
       if (before == value) return;
-      block = {static_cast<std::uint32_t>(values_.size()), kInside};
+      block = {next_offset(), kInside};
       values_.resize(values_.size() + kInside + 1, before);
     }
     values_[block.offset + local(i)] = value;
@@ -110,7 +112,7 @@ class VoxelField {
           Block& block = blocks_[index_of(lo)];
           if (whole && block.mask == 0) {
             if (values_[block.offset] == value) continue;
-            block = {static_cast<std::uint32_t>(values_.size()), 0};
+            block = {next_offset(), 0};
             values_.push_back(value);
             continue;
           }
@@ -125,6 +127,13 @@ class VoxelField {
   struct Block {
     std::uint32_t offset = 0, mask = 0;
   };
+  // Where the values of one more block begin. Throws std::length_error.
+  [[nodiscard]] std::uint32_t next_offset() const {
+    if (values_.size() + kInside >= std::numeric_limits<std::uint32_t>::max())
+      throw std::length_error(
+          "found more than 2^32 voxels with values of their own; allowed: fewer");
+    return static_cast<std::uint32_t>(values_.size());
+  }
   [[nodiscard]] static std::uint32_t local(VoxelIndex i) {
     constexpr int m = kBlockVoxels - 1;
     return static_cast<std::uint32_t>(((i[2] & m) * kBlockVoxels + (i[1] & m)) * kBlockVoxels +
