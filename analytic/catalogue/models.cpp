@@ -36,12 +36,12 @@ const std::vector<ModelInfo>& models() {
         eon_model(),
         eon_approx_model(),
         beckmann_diffuse_model(),
-        micrograin_model(),
         single_scattering_model(),
         spongecake_model(),
     };
     // clang-format on
-    offer_bulk_models(all);
+    // Any of them may lie below micrograins.
+    all.insert(all.end() - 2, micrograin_model(all));
     return all;
   }();
   return list;

@@ -252,15 +252,37 @@ ParameterInfo choice(std::string name, std::string doc, std::vector<std::string>
 
 const std::string kBulkKey = "bulk_";
 
-std::unique_ptr<const Model> make_bulk(const Parameters& p) {
-  const ModelInfo& info = *find_model(p.choice("bulk"));
+/// The closed forms that may lie below.
+using Bulks = std::shared_ptr<const std::vector<ModelInfo>>;
+
+const ModelInfo& bulk_named(const std::vector<ModelInfo>& bulks, const std::string& name) {
+  return *std::find_if(bulks.begin(), bulks.end(),
+                       [&](const ModelInfo& info) { return info.name == name; });
+}
+
+/// The bulk's own parameters but its albedo, which is there for every bulk.
+std::vector<ParameterInfo> bulk_parameters(const ModelInfo& bulk) {
+  std::vector<ParameterInfo> list;
+  for (ParameterInfo p : bulk.parameters) {
+    if (p.name == "albedo") continue;
+    p.name = kBulkKey + p.name;
+    p.doc = "of the surface below: " + p.doc;
+    list.push_back(std::move(p));
+  }
+  return list;
+}
+
+std::unique_ptr<const Model> make_bulk(const std::vector<ModelInfo>& bulks, const Parameters& p) {
+  const ModelInfo& info = bulk_named(bulks, p.choice("bulk"));
   Parameters below;
   for (const ParameterInfo& parameter : info.parameters) {
-    // The range of this model, under the name that the key has here.
-    ParameterInfo own = parameter;
-    own.name = kBulkKey + parameter.name;
-    below.set(parameter.name, checked(own, p.at(own.name)));
+    const std::string key = kBulkKey + parameter.name;
+    if (!p.has(key)) continue;
+    ParameterInfo named = parameter;
+    named.name = key;
+    below.set(parameter.name, checked(named, p.at(key)));
   }
+  fill_defaults(info.parameters, below);
   return info.make(below, nullptr);
 }
 
@@ -353,7 +375,16 @@ double fresnel_dielectric(double cosine, double ior) {
   return 0.5 * (rs * rs + rp * rp);
 }
 
-ModelInfo micrograin_model() {
+ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
+  auto offered = std::make_shared<std::vector<ModelInfo>>();
+  std::vector<std::string> names;
+  for (const ModelInfo& info : models) {
+    // A stack below would be a layer of its own.
+    if (info.needs_stack) continue;
+    offered->push_back(info);
+    names.push_back(info.name);
+  }
+  const Bulks bulks = offered;
   return {
       .name = "micrograin",
       .doc = "porous layer of opaque half ellipsoids on any surface here",
@@ -393,11 +424,12 @@ ModelInfo micrograin_model() {
             .default_value = "4",
             .min = 0,
             .max = 1000},
-           choice("normals", "sampled for specular grains", {"visible", "all"})},
+           choice("normals", "sampled for specular grains", {"visible", "all"}),
+           choice("bulk", "closed form of the surface below", names)},
       .lobes = {{"grains", "light that meets grains", Order::one},
                 {"bulk", "light that meets the surface below only", Order::one}},
       .make =
-          [](const Parameters& p, const Stack*) {
+          [bulks](const Parameters& p, const Stack*) {
             const std::string& surface = p.choice("surface");
             return std::make_unique<Micrograin>(
                 Grains{.tau0 = p.number("tau0"),
@@ -411,7 +443,7 @@ ModelInfo micrograin_model() {
                        .visible_normals = p.choice("normals") == "visible",
                        .albedo = p.color("albedo"),
                        .f0 = p.color("f0"),
-                       .bulk = make_bulk(p)});
+                       .bulk = make_bulk(*bulks, p)});
           },
       .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
         const GrainGeometry* g = stack.grains();
@@ -453,48 +485,10 @@ ModelInfo micrograin_model() {
                    return Rgb(mu / micrograin_projected_area(mu, p.number("tau0"), p.number("beta"),
                                                              shadowing_of(p),
                                                              static_cast<int>(p.number("terms"))));
-                 }}}};
-}
-
-void offer_bulk_models(std::vector<ModelInfo>& models) {
-  std::vector<ParameterInfo> keys;
-  std::vector<std::string> names;
-  ModelInfo* grains = nullptr;
-  for (ModelInfo& info : models) {
-    if (info.name == "micrograin") {
-      grains = &info;
-      continue;
-    }
-    // A stack below would be a layer of its own.
-    if (info.needs_stack) continue;
-    names.push_back(info.name);
-    for (const ParameterInfo& p : info.parameters) {
-      if (p.name == "albedo") continue;
-      const auto known = std::find_if(keys.begin(), keys.end(), [&](const ParameterInfo& k) {
-        return k.name == kBulkKey + p.name;
-      });
-      if (known != keys.end()) {
-        // A key of several models has what any of them allows; each checks its own range.
-        if (p.min < known->min || (p.min == known->min && !p.min_open))
-          known->min_open = p.min_open;
-        if (p.max > known->max || (p.max == known->max && !p.max_open))
-          known->max_open = p.max_open;
-        known->min = std::min(known->min, p.min);
-        known->max = std::max(known->max, p.max);
-        for (const std::string& word : p.choices)
-          if (std::find(known->choices.begin(), known->choices.end(), word) == known->choices.end())
-            known->choices.push_back(word);
-        continue;
-      }
-      ParameterInfo key = p;
-      key.name = kBulkKey + p.name;
-      key.doc = "of the surface below, where it has it: " + p.doc;
-      keys.push_back(std::move(key));
-    }
-  }
-  if (!grains) return;
-  grains->parameters.push_back(choice("bulk", "closed form of the surface below", names));
-  grains->parameters.insert(grains->parameters.end(), keys.begin(), keys.end());
+                 }}},
+      .selector = "bulk",
+      .selected =
+          [bulks](const std::string& name) { return bulk_parameters(bulk_named(*bulks, name)); }};
 }
 
 }  // namespace lamella

@@ -23,11 +23,9 @@ namespace lamella {
 /// reciprocal (Kelemen and Szirmay-Kalos 2001; EON's eq. 17). Reciprocal if the bulk is. Lobes
 /// `grains` and `bulk`.
 /// Specular grains are sampled by their visible normals, or, with normals=all, by eq. 20.
-[[nodiscard]] ModelInfo micrograin_model();
-
-/// The models that may lie below, and their keys: makes the parameters `bulk` and `bulk_...` of the
-/// entry `micrograin` in the list of all models.
-void offer_bulk_models(std::vector<ModelInfo>& models);
+/// `models`: those that may lie below, but for the ones that are built from a stack. The parameter
+/// `bulk` names one; it selects that one's own parameters.
+[[nodiscard]] ModelInfo micrograin_model(const std::vector<ModelInfo>& models);
 
 /// Where the projected area of the grains' normals is from.
 enum class MicrograinShadowing {

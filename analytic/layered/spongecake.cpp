@@ -65,6 +65,12 @@ ParameterInfo weight(std::string name, std::string doc) {
 
 std::vector<ParameterInfo> lobe_parameters() {
   std::vector<ParameterInfo> list{
+      {.name = "lobes",
+       .kind = ParameterKind::choice,
+       .unit = "1",
+       .doc = "the two further lobes: fitted to the stack unless their keys are given; none",
+       .default_value = "fitted",
+       .choices = {"fitted", "given", "none"}},
       weight("second_weight", "of the second single-scattering lobe; 0: none"),
       weight("lambert_reflect", "albedo of the constant lobe on the light's side"),
       weight("lambert_transmit", "albedo of the constant lobe on the other side")};
@@ -138,6 +144,12 @@ ModelInfo spongecake_model() {
               factors.push_back({p.number(fmt::format("second_roughness_{}", k)),
                                  p.number(fmt::format("second_depth_{}", k)),
                                  p.color(fmt::format("second_albedo_{}", k))});
+            const bool off = p.color("second_weight") == Rgb() &&
+                             p.color("lambert_reflect") == Rgb() &&
+                             p.color("lambert_transmit") == Rgb();
+            if (p.choice("lobes") == "none" && !off)
+              throw ParameterError("lobes", "\"none\" beside a lobe that is not 0",
+                                   "fitted, given, or no key of a lobe");
             return std::make_unique<Spongecake>(
                 *stack, spongecake_second_stack(*stack, factors), p.color("second_weight"),
                 p.color("lambert_reflect"), p.color("lambert_transmit"));

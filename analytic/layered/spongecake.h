@@ -8,12 +8,13 @@ namespace lamella {
 /// Henyey-Greenstein particles, with the paper's importance sampling, and the two lobes that stand
 /// for multiple scattering (section 5): a second single-scattering lobe of the same layers with
 /// other roughness, depth and albedo, times a weight, and a constant lobe on either side. Their
-/// parameters, which the paper leaves to a neural network, are the user's or those of `lamella
-/// fit`; by default both lobes are off. Roughness (of a Henyey-Greenstein layer, g), depth and
-/// albedo are given as factors of the layer's own, for up to four layers. Reciprocal. Lobes
-/// `single`, `substrate`, `second`, `lambert`. Sampling is that of single scattering alone, as in
-/// the paper. Wang et al. 2022, "SpongeCake: A Layered Microflake Surface Appearance Model",
-/// sections 4, 5.
+/// parameters, which the paper leaves to a neural network, are the user's or, by default, those
+/// that `lamella fit` finds (compare/fit/fitted_models.h); the model itself knows no truth and
+/// takes keys as they are, 0 where none are given. lobes=none: neither lobe. Roughness (of a
+/// Henyey-Greenstein layer, g), depth and albedo are given as factors of the layer's own, for up to
+/// four layers. Reciprocal. Lobes `single`, `substrate`, `second`, `lambert`. Sampling is that of
+/// single scattering alone, as in the paper. Wang et al. 2022, "SpongeCake: A Layered Microflake
+/// Surface Appearance Model", sections 4, 5.
 [[nodiscard]] ModelInfo spongecake_model();
 
 /// Whether SpongeCake describes the stack.

@@ -1,5 +1,6 @@
 #include "analytic/model/model.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -10,6 +11,23 @@ namespace lamella {
 std::string to_text(Order order) {
   static const std::string names[] = {"1", "2", "3", "4+", "all"};
   return names[static_cast<int>(order)];
+}
+
+std::vector<ParameterInfo> parameters_of(const ModelInfo& info, const std::string& choice) {
+  std::vector<ParameterInfo> all = info.parameters;
+  if (info.selector.empty()) return all;
+  const std::vector<std::string>& choices = find(info.parameters, info.selector)->choices;
+  if (std::find(choices.begin(), choices.end(), choice) == choices.end()) return all;
+  const std::vector<ParameterInfo> further = info.selected(choice);
+  all.insert(all.end(), further.begin(), further.end());
+  return all;
+}
+
+std::vector<ParameterInfo> parameters_of(const ModelInfo& info, const Parameters& parameters) {
+  if (info.selector.empty()) return info.parameters;
+  return parameters_of(info, parameters.has(info.selector)
+                                 ? parameters.choice(info.selector)
+                                 : find(info.parameters, info.selector)->default_value);
 }
 
 Rgb Model::eval(Direction wi, Direction wo) const {

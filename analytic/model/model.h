@@ -117,7 +117,19 @@ struct ModelInfo {
   /// apply. May be empty: never applies unasked.
   std::function<std::optional<Parameters>(const Stack& stack)> applies_to;
   std::vector<PartInfo> parts = {};  ///< beside lobes, pdf and albedo
+  /// Where a choice decides which further parameters there are (the closed form below micrograins):
+  /// the name of that parameter, and the further ones for one of its choices.
+  std::string selector = {};
+  std::function<std::vector<ParameterInfo>(const std::string& choice)> selected = {};
 };
+
+/// The parameters there are: info.parameters, and those that `choice` of the selector adds, if the
+/// model has one. An unknown choice adds none.
+[[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
+                                                       const std::string& choice);
+/// The same for parameters that may have the selector among them; else its default counts.
+[[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
+                                                       const Parameters& parameters);
 
 /// Every closed form. A new one is a file pair and a line in models.cpp.
 [[nodiscard]] const std::vector<ModelInfo>& models();

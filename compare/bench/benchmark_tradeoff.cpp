@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "compare/bench/benchmark.h"
+#include "compare/fit/fitted_models.h"
 #include "compare/judge/judgement.h"
 #include "compare/request/model_request.h"
 #include "compare/request/stopwatch.h"
@@ -148,7 +149,7 @@ std::vector<JudgedClosedForm> judged_closed_forms(const Stack& stack, const Benc
                                                   std::uint64_t seed) {
   std::vector<JudgedClosedForm> list;
   const Truth truth = truth_of(stack, effort, seed);
-  for (BoundModel& bound : models_for({}, stack))
+  for (BoundModel& bound : fitted_models_for({}, stack))
     for (const LobeComparison& l : judge(truth, make_plan(stack), bound)) {
       if (l.order != Order::all || !l.reflected) continue;
       const auto [low, high] = error_interval(l, noise_of(truth.run.reflected.lobes[kTallyOrders]));

@@ -13,6 +13,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Errors of a millionth stand beside others of a hundred per cent: three significant digits.
+std::string three_digits(double share) {
+  const double percent = 100 * share;
+  return percent < 99.95 ? fmt::format("{:#.3g} %", percent) : percent_text(share);
+}
+
+// One per incident direction; dashes where nothing comes through.
+std::string cells_of(const std::vector<double>& shares) {
+  if (shares.empty()) return " – | – | – | – |";
+  std::string text;
+  for (const double share : shares) text += fmt::format(" {} |", three_digits(share));
+  return text;
+}
+
+Json numbers(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double v : values) list.push_back(json_number(v));
+  return list;
+}
+
 }  // namespace
 
 int accuracy_command(const Options& options) {
@@ -23,23 +43,24 @@ int accuracy_command(const Options& options) {
   Json rows = Json::array();
   if (!options.quiet)
     fmt::print(out,
-               "| stack | model | 0° | 30° | 60° | 80° | energy off | truth within |\n"
-               "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+               "| stack | model | R 0° | R 30° | R 60° | R 80° | T 0° | T 30° | T 60° | T 80° | "
+               "energy off | truth within |\n"
+               "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   std::string family;
   const RunMonitor monitor = terminal_monitor(options);
   measure_model_accuracy(options.quick, options.tolerance, monitor, [&](const ModelAccuracy& row) {
     if (!options.quiet) {
-      if (row.family != family) fmt::print(out, "| **{}** | | | | | | | |\n", row.family);
-      fmt::print(out, "| {} | `{}` |", row.stack, row.model);
-      for (const double rmse : row.relative_rmse) fmt::print(out, " {} |", percent_cell(rmse));
-      fmt::print(out, " {:.2g} | {:.0e} |\n", row.energy_off, row.bound);
+      if (row.family != family) fmt::print(out, "| **{}** | | | | | | | | | | | |\n", row.family);
+      fmt::print(out, "| {} | `{}` |{}{} {:.2g} | {:.0e} |\n", row.stack, row.model,
+                 cells_of(row.reflected), cells_of(row.transmitted), row.energy_off, row.bound);
       std::fflush(out);
     }
     family = row.family;
     rows.push_back({{"family", row.family},
                     {"stack", row.stack},
                     {"model", row.model},
-                    {"relative_rmse", row.relative_rmse},
+                    {"relative_rmse", numbers(row.reflected)},
+                    {"relative_rmse_transmitted", numbers(row.transmitted)},
                     {"energy_off", row.energy_off},
                     {"truth_bound", row.bound}});
   });

@@ -6,6 +6,7 @@
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/output_folder.h"
+#include "compare/fit/fitted_models.h"
 #include "compare/judge/judgement.h"
 #include "compare/judge/side_by_side.h"
 #include "compare/judge/verdict_text.h"
@@ -48,47 +49,48 @@ Json to_json(const LobeComparison& l) {
           {"order", to_text(l.order)},
           {"energy_truth", channel_list(l.energy_truth)},
           {"energy_standard_error", channel_list(l.energy_error)},
+          {"energy_missing", channel_list(l.energy_missing)},
           {"energy_model", channel_list(l.energy_model)},
           {"rmse", l.rmse},
           {"relative_rmse", json_number(l.relative_rmse)},
           {"rmse_without_noise", l.rmse_without_noise},
           {"relative_rmse_without_noise", json_number(l.relative_rmse_without_noise)},
+          {"relative_rmse_range",
+           {json_number(l.relative_rmse_least), json_number(l.relative_rmse_most)}},
           {"max_error", l.max_error},
           {"p_value", l.p_value},
           {"empty_cells", l.empty_cells},
           {"verdict", to_text(l.verdict)}};
 }
 
-// Those that are not at their defaults.
-std::vector<std::pair<std::string, ParameterValue>> told_parameters(const BoundModel& model) {
-  std::vector<std::pair<std::string, ParameterValue>> list;
-  for (const auto& [key, value] : model.parameters.all()) {
-    const ParameterInfo* info = find(model.info->parameters, key);
-    if (!info || info->default_value.empty() || parse_value(*info, info->default_value) != value)
-      list.emplace_back(key, value);
-  }
-  return list;
+std::string missing_text(const LobeComparison& l) {
+  return l.is_cut() ? fmt::format("<={:.1e}", luminance(l.energy_missing)) : "none";
 }
 
-std::string table(const std::vector<JudgedModel>& models) {
+// `max_order`: of the walks, if any.
+std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_order) {
+  std::vector<const LobeComparison*> all;
+  for (const JudgedModel& m : models)
+    for (const LobeComparison& l : m.lobes) all.push_back(&l);
+  const bool cut = std::any_of(all.begin(), all.end(), [](const auto* l) { return l->is_cut(); });
   std::string text;
   for (const JudgedModel& m : models) {
-    text += "\n" + m.bound->info->name;
-    for (const auto& [key, value] : told_parameters(*m.bound))
-      text += fmt::format(", {} = {}", key, to_text(value));
-    text += fmt::format(" ({:.0f} ns per evaluation)\n", m.nanoseconds);
-    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8} {:>12} {:>10} {:>10} {:>9}  {}\n",
-                        "theta_i", "side", "order", "energy truth", "+-", "energy model",
-                        "rel. RMSE", "no noise", "p", "verdict");
+    text += fmt::format("\n{} ({:.0f} ns per evaluation)\n{}", m.bound->info->name, m.nanoseconds,
+                        told_parameters(*m.bound, 4));
+    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8}{} {:>12} {:>10} {:>10} {:>9}  {}\n",
+                        "theta_i", "side", "order", "energy truth", "+-",
+                        cut ? fmt::format(" {:>9}", "missing") : "", "energy model", "rel. RMSE",
+                        "no noise", "p", "verdict");
     for (const LobeComparison& l : m.lobes)
       text += fmt::format(
-          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e} {:>12.5f} {:>10} {:>10} {:>9.2g}  {}\n",
+          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e}{} {:>12.5f} {:>10} {:>10} {:>9.2g}  {}\n",
           theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
-          luminance(l.energy_truth), luminance(l.energy_error), luminance(l.energy_model),
+          luminance(l.energy_truth), luminance(l.energy_error),
+          cut ? fmt::format(" {:>9}", missing_text(l)) : "", luminance(l.energy_model),
           percent_cell(l.relative_rmse), percent_cell(l.relative_rmse_without_noise), l.p_value,
           verdict_text(l));
   }
-  return text;
+  return text + verdict_legend(all, max_order);
 }
 
 Json to_json(const std::vector<SideBySide>& rows) {
@@ -100,13 +102,13 @@ Json to_json(const std::vector<SideBySide>& rows) {
                {"medium", r.medium},
                {"energy_geometry", r.energy_geometry},
                {"energy_medium", r.energy_medium},
-               {"relative_rmse_of_medium", r.medium_error.rmse},
-               {"noise", r.medium_error.noise}};
+               {"relative_rmse_of_medium", json_number(r.medium_error.rmse)},
+               {"noise", json_number(r.medium_error.noise)}};
     if (!r.model.empty()) {
       entry["model"] = r.model;
       entry["energy_model"] = r.energy_model;
-      entry["relative_rmse_of_model"] = r.model_error.rmse;
-      entry["relative_rmse_of_both"] = r.total_error.rmse;
+      entry["relative_rmse_of_model"] = json_number(r.model_error.rmse);
+      entry["relative_rmse_of_both"] = json_number(r.total_error.rmse);
     }
     list.push_back(std::move(entry));
   }
@@ -121,6 +123,7 @@ Json models_json(const std::vector<JudgedModel>& models) {
     for (const auto& [key, value] : m.bound->parameters.all()) parameters[key] = to_json(value);
     list.push_back({{"name", m.bound->info->name},
                     {"parameters", std::move(parameters)},
+                    {"parameter_sources", m.bound->sources},
                     {"ns_per_eval", m.nanoseconds},
                     {"lobes", std::move(lobes)}});
   }
@@ -133,9 +136,10 @@ bool is_too_far(const std::vector<JudgedModel>& models, const Options& options) 
   for (const JudgedModel& m : models)
     for (const LobeComparison& l : m.lobes)
       // Where nothing arrives any model is infinitely far off: that counts once it is no accident.
+      // Where walks were cut, what is certain counts.
       if (l.order == Order::all &&
-          (std::isfinite(l.relative_rmse_without_noise) || l.verdict == Verdict::differs))
-        worst = std::max(worst, l.relative_rmse_without_noise);
+          (std::isfinite(l.relative_rmse_least) || l.verdict == Verdict::differs))
+        worst = std::max(worst, l.relative_rmse_least);
   return options.max_error && worst > *options.max_error;
 }
 
@@ -155,9 +159,7 @@ Json page_details(const std::vector<RunResult>& runs, std::vector<JudgedModel>& 
   Json told = Json::array();
   for (JudgedModel& m : models) {
     lobes.push_back(std::move(m.lobes));
-    Json list = Json::object();
-    for (const auto& [key, value] : told_parameters(*m.bound)) list[key] = to_json(value);
-    told.push_back(std::move(list));
+    told.push_back(told_parameters(*m.bound));
   }
   Json details = compare_page_details(runs, lobes);
   details["parameters"] = std::move(told);
@@ -173,7 +175,7 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
   const bool previewed = options.preview && !options.answer_only;
   if (previewed) check_preview("compare --preview", stack);
   GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
-  const std::vector<BoundModel> models = models_for(model_requests(options), stack);
+  const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
   const std::vector<std::string> names = distinct_names(models);
   std::vector<JudgedModel> judged;
   for (std::size_t m = 0; m < models.size(); ++m)
@@ -200,6 +202,7 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
   add_choice(answer, truth.choice(), request);
   answer["walks"] = runs.front().walks;
   answer["interrupted"] = user_interrupt.load();
+  answer["agrees_within"] = kAgreesWithin;
   answer["models"] = models_json(judged);
   if (!beside.empty()) answer["side_by_side"] = to_json(beside);
   const int status = is_too_far(judged, options) ? kFailed : kDone;
@@ -215,7 +218,7 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
                       : fmt::format("{} walks per direction, ", runs.front().walks),
                   estimator_text(truth.choice(), request),
                   truth.plan().channels == 3 ? fmt::format("; energies: {}", kLuminanceName) : "") +
-      table(judged) + (beside.empty() ? "" : side_by_side_table(beside));
+      table(judged, runs.front().max_order) + (beside.empty() ? "" : side_by_side_table(beside));
   int drawn = 0;
   for (const JudgedModel& m : judged) {
     write_exr(folder + "/" + m.name + ".exr",

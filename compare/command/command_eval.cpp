@@ -11,6 +11,7 @@
 #include "analytic/model/grazing_pair.h"
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
+#include "compare/fit/fitted_models.h"
 #include "compare/options/progress.h"
 #include "compare/request/direction_pairs.h"
 #include "compare/request/errors.h"
@@ -266,7 +267,9 @@ CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionP
     stack = take_stack(values, name, pairs);
     if (stack) answer.color = answer.color || !stack->is_grey();
   }
-  const BoundModel bound = bind_model({name, values}, stack ? &*stack : nullptr);
+  ModelRequest request{name, values};
+  if (stack) request = with_fitted_lobes(std::move(request), *stack);
+  const BoundModel bound = bind_model(request, stack ? &*stack : nullptr);
   int lobe = -1;
   std::vector<std::string> parts{"pdf", "albedo"};
   for (std::size_t k = 0; k < bound.info->lobes.size(); ++k) {

@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "analytic/layered/spongecake.h"
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"
-#include "compare/fit/spongecake_fit.h"
+#include "compare/fit/spongecake_truth.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/percent.h"
 #include "compare/request/truth_request.h"
@@ -52,8 +55,6 @@ int fit_sampling(const Options& options, const ClosedFormOptions& closed) {
   return kDone;
 }
 
-constexpr CellGrid kFitGrid{8, 16, false};
-
 void check_stack(const Stack& stack) {
   if (!is_spongecake_stack(stack))
     throw UsageError(fmt::format(
@@ -70,17 +71,33 @@ int fit_stack(const Options& options) {
   const Stack& stack = request.stack;
   check_stack(stack);
   if (!options.output.empty()) check_output_file(options.output);
-  GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
   std::vector<RunResult> runs;
-  for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
-  const SpongecakeFit fit = fit_spongecake(stack, runs);
+  SpongecakeFit fit;
+  std::string by;
+  const std::vector<WalkSetting>& asked = request.given;
+  if (std::find(asked.begin(), asked.end(), WalkSetting::walks) == asked.end()) {
+    catch_interrupts();
+    SpongecakeTruth found = fit_spongecake_by_walks(
+        stack, {request.seed, request.limits, request.isa, &user_interrupt});
+    by = fmt::format("{} analog walks per direction, {}", found.walks,
+                     found.is_sharp   ? "whose noise is small beside what the lobes leave over"
+                     : user_interrupt ? "when it was interrupted"
+                                      : "the most that are tried (--walks for more)");
+    runs = std::move(found.runs);
+    fit = std::move(found.fit);
+  } else {
+    GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
+    for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
+    fit = fit_spongecake(stack, runs);
+    by = estimator_text(truth.choice(), request);
+  }
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out,
                "{}: orders 2 and up, {}{}; what two lobes leave over\n"
                "  {:>7} {:>9} {:>13} {:>13} {:>10} {:>9}\n",
-               stack.name, estimator_text(truth.choice(), request),
-               truth.plan().channels == 1 ? "" : fmt::format(", energies: {}", kLuminanceName),
+               stack.name, by,
+               runs.front().channels == 1 ? "" : fmt::format(", energies: {}", kLuminanceName),
                "theta_i", "side", "energy truth", "energy lobes", "rel. RMSE", "noise");
     for (const SpongecakeResidue& r : fit.residues)
       fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>10} {:>9}\n", theta_degrees(r.wi),

@@ -5,16 +5,20 @@
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
-#include "compare/judge/furnace.h"
+#include "compare/fit/fitted_models.h"
+#include "compare/judge/model_furnace.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
+#include "compare/request/stack_parameters.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/math/degrees.h"
+#include "phase/stack/builtin_stacks.h"
 
 namespace lamella {
 namespace {
@@ -33,13 +37,31 @@ int status_of(const std::string& verdict, const Options& options) {
   return verdict == "inconclusive" && options.strict ? kFailed : kDone;
 }
 
+// "fail: loss", or the verdict alone.
+std::string told(const std::string& verdict, const std::string& loss_or_gain) {
+  if (verdict != "fail") return verdict;
+  return "fail: " + (loss_or_gain == "both" ? "loss and gain" : loss_or_gain);
+}
+
+// What a pass means; `level`: the chance of each direction and channel that a true furnace fails.
+std::string criterion_of(bool bounded, bool as_is, double level) {
+  return fmt::format(
+      "pass: the energy is 1{} within {}, and none of {} is above {:g}{}; fail: it is off by more, "
+      "a loss or a gain; inconclusive: neither can be said",
+      as_is ? " less what is absorbed" : "",
+      bounded ? "its bound" : fmt::format("{:.1f} standard errors", furnace_quantile(level)),
+      bounded ? "the bounds" : "them", kWidestFurnaceError,
+      bounded ? "" : ", nor more unresolved than that noise");
+}
+
 std::string worse(const std::string& a, const std::string& b) {
   for (const char* v : {"fail", "inconclusive"})
     if (a == v || b == v) return v;
   return "pass";
 }
 
-int model_furnace(const Options& options, const TruthRequest& truth) {
+// `given`: the stack as it was given; that of `truth` is as the furnace has it.
+int model_furnace(const Options& options, const Stack& given, const TruthRequest& truth) {
   const Stack& stack = truth.stack;
   Json answer = json_header("furnace", truth);
   Json list = Json::array();
@@ -47,62 +69,76 @@ int model_furnace(const Options& options, const TruthRequest& truth) {
   bool needs_stack = false;
   const double tolerance = options.max_error.value_or(kModelTolerance);
   std::FILE* out = table_stream(options);
-  for (ModelRequest& request : model_requests(options)) {
-    if (!options.as_is)
-      if (const ModelInfo* info = find_or_load_model(request.name))
-        for (const char* key : {"albedo", "rho", "f0"})
-          if (find(info->parameters, key)) {
-            std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
-            request.values.emplace_back(key, "1");
-          }
-    const BoundModel bound = model_for(request, stack);
+  for (ModelRequest request : model_requests(options)) {
+    const ModelInfo* info = find_or_load_model(request.name);
+    bool of_stack = !options.stack.empty();
+    Stack own = stack;
+    if (info && info->needs_stack && !of_stack) {
+      const auto key = std::find_if(request.values.begin(), request.values.end(),
+                                    [](const auto& v) { return v.first == "stack"; });
+      of_stack = key != request.values.end();
+      if (of_stack) {
+        own = with_surface_model(load_stack(key->second));
+        if (!options.as_is) own = with_surface_model(whitened(own));
+        std::erase_if(request.values, [](const auto& v) { return v.first == "stack"; });
+      }
+    }
+    if (info && info->needs_stack && !of_stack)
+      throw UsageError(fmt::format(
+          "furnace --model {}: found no stack; allowed: one, as in lamella furnace {} --model {}",
+          request.name, kDefaultStack, request.name));
+    request = without_stack_key(std::move(request), given);
+    if (!options.as_is && info)
+      for (const char* key : {"albedo", "rho", "f0"})
+        if (find(info->parameters, key)) {
+          std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
+          request.values.emplace_back(key, "1");
+          request.sources[key] = "white";
+        }
+    // Without a stack that was asked for a model takes nothing from one.
+    const BoundModel bound =
+        of_stack ? model_for(with_fitted_lobes(request, own), own) : bind_model(request, nullptr);
+    if (!options.quiet) fmt::print(out, "{}\n{}", bound.info->name, told_parameters(bound, 4));
     Json runs = Json::array();
     for (const Direction wi : truth.directions) {
-      const Direction w = with_grazing_limit(wi);
-      const AlbedoEstimate scattered = bound.model->albedo_with_error(w);
-      const double passed = bound.model->uncollided(w);
-      std::string verdict = "pass";
-      Json energy = Json::array(), errors = Json::array();
-      double least = 0, most = 0, largest_error = 0;  // what the energy misses, within its error
-      for (int c = 0; c < 3; ++c) {
-        const double e = scattered.value[c] + passed, error = scattered.error[c];
-        if (!std::isfinite(e))
-          throw std::domain_error("the model gives a value that is not finite");
-        energy.push_back(e);
-        errors.push_back(error);
-        const double missing = options.as_is ? std::max(0.0, e - 1) : std::abs(e - 1);
-        least = std::max(least, missing - error);
-        most = std::max(most, missing + error);
-        largest_error = std::max(largest_error, error);
-      }
-      if (least > tolerance)
-        verdict = "fail";
-      else if (most > tolerance)
-        verdict = "inconclusive";
+      const ModelFurnace furnace = judge_model_furnace(*bound.model, wi, options.as_is, tolerance);
+      const Rgb energy = furnace.energy, error = furnace.error;
+      const std::string verdict = to_text(furnace.verdict);
+      const std::string direction = loss_or_gain(furnace.loses, furnace.gains);
       overall = worse(overall, verdict);
       runs.push_back({{"mu_i", wi.z},
                       {"phi_i", phi_degrees(wi)},
-                      {"energy", energy},
-                      {"energy_error", errors},
-                      {"ended_by", to_text(scattered.end)},
-                      {"verdict", verdict}});
+                      {"energy", {energy.r, energy.g, energy.b}},
+                      {"energy_error", {error.r, error.g, error.b}},
+                      {"ended_by", to_text(furnace.end)},
+                      {"verdict", verdict},
+                      {"loss_or_gain", direction}});
       if (!options.quiet)
         fmt::print(out, "{} theta_i {:g}: energy {:.6f} {:.6f} {:.6f} +- {:.1e}{}, {}\n",
-                   bound.info->name, theta_degrees(wi), energy[0].get<double>(),
-                   energy[1].get<double>(), energy[2].get<double>(), largest_error,
-                   scattered.end == IntegralEnd::tolerance
+                   bound.info->name, theta_degrees(wi), energy.r, energy.g, energy.b, error.max(),
+                   furnace.end == IntegralEnd::tolerance
                        ? ""
-                       : fmt::format(" ({})", reason_of(scattered.end)),
-                   verdict);
+                       : fmt::format(" ({})", reason_of(furnace.end)),
+                   told(verdict, direction));
     }
     needs_stack = needs_stack || bound.info->needs_stack;
-    list.push_back({{"name", bound.info->name}, {"runs", std::move(runs)}});
+    Json parameters = Json::object();
+    for (const auto& [key, value] : bound.parameters.all()) parameters[key] = to_json(value);
+    list.push_back({{"name", bound.info->name},
+                    {"parameters", std::move(parameters)},
+                    {"parameter_sources", bound.sources},
+                    {"runs", std::move(runs)}});
   }
   answer["verdict"] = overall;
   answer["tolerance"] = tolerance;
   answer["models"] = std::move(list);
   answer["runs"] = answer["models"][0]["runs"];
-  if (!options.quiet) fmt::print(out, "{}\n", overall);
+  answer["criterion"] = fmt::format(
+      "pass: {} (--max-error); fail: it is off by more, a loss or a gain; inconclusive: the error "
+      "of the energy decides",
+      options.as_is ? fmt::format("the energy is at most 1 + {:g}", tolerance)
+                    : fmt::format("the energy is 1 within {:g}", tolerance));
+  if (!options.quiet) fmt::print(out, "{}\n{}\n", overall, answer["criterion"].get<std::string>());
   if (!options.html.empty())
     write_report_page(options.html, "White furnace of closed forms", answer,
                       {{"needs_stack", needs_stack}});
@@ -114,10 +150,10 @@ int model_furnace(const Options& options, const TruthRequest& truth) {
 
 int furnace_command(const Options& options) {
   if (!options.html.empty()) check_output_file(options.html);
-  Stack given = stack_of(options);
-  if (!options.as_is) given = with_surface_model(whitened(std::move(given)));
-  TruthRequest request = truth_request(options, given);
-  if (!options.models.empty()) return model_furnace(options, request);
+  const Stack given = stack_of(options);
+  TruthRequest request =
+      truth_request(options, options.as_is ? given : with_surface_model(whitened(given)));
+  if (!options.models.empty()) return model_furnace(options, given, request);
   request.cells = kFurnaceGrid;
   const Stack& stack = request.stack;
   GroundTruth truth(request, Estimator::next_event, terminal_monitor(options));
@@ -136,6 +172,7 @@ int furnace_command(const Options& options) {
   Json answer = json_header("furnace", request);
   Json runs = Json::array();
   std::string overall = "pass";
+  bool wide = false, cut = false, few = false;
   for (std::size_t k = 0; truth.goes_on(k); ++k) {
     const Direction wi = directions[k];
     const Truth found = truth.find(k);
@@ -146,6 +183,10 @@ int furnace_command(const Options& options) {
     entry["energy"] = values_of(furnace.energy, plan.channels);
     entry["energy_standard_error"] = errors_of(furnace.energy, plan.channels);
     entry["verdict"] = verdict;
+    entry["loss_or_gain"] = loss_or_gain(furnace.loses, furnace.gains);
+    wide = wide || furnace.is_wide;
+    cut = cut || furnace.is_cut;
+    few = few || furnace.has_few_events;
     const RunResult& run = furnace.run;
     if (!options.quiet)
       for (int c = 0; c < plan.channels; ++c)
@@ -155,7 +196,7 @@ int furnace_command(const Options& options) {
                    theta_degrees(wi), furnace.energy[c].value, furnace.energy[c].standard_error,
                    run.reflected.total[c].value, run.transmitted.total[c].value,
                    run.uncollided[c].value, run.absorbed[c].value, run.unresolved[c].value,
-                   c == 0 ? verdict : "");
+                   c == 0 ? told(verdict, entry["loss_or_gain"]) : "");
     // A one-sided slab has a second furnace: radiance under uniform light from both sides.
     const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
                                       [](const Layer& l) { return is_delta(l.medium); });
@@ -178,6 +219,8 @@ int furnace_command(const Options& options) {
   }
   add_choice(answer, truth.choice(), request);
   answer["verdict"] = overall;
+  const bool bounded = truth.estimator() == Estimator::deterministic;
+  answer["criterion"] = criterion_of(bounded, options.as_is, level);
   answer["interrupted"] = user_interrupt.load();
   answer["runs"] = std::move(runs);
   if (!options.quiet) {
@@ -186,15 +229,17 @@ int furnace_command(const Options& options) {
           out,
           "long walks are thinned: energies have the noise of that, which is no gain or loss "
           "(--thin-from 0: none are)\n");
-    fmt::print(out, "{}\n", overall);
-    if (overall == "inconclusive" && truth.estimator() == Estimator::deterministic)
-      fmt::print(out, "the solver's bound is too wide to judge by (--tolerance, --time)\n");
-    else if (overall == "inconclusive")
-      fmt::print(
-          out,
-          "walks cut after {} events hold more light than the noise (--max-order), or too few "
-          "walks hit what scatters sharply (--walks, --estimator analog)\n",
-          truth.plan().max_order);
+    fmt::print(out, "{}\n{}\n", overall, answer["criterion"].get<std::string>());
+    if (overall == "inconclusive" && wide)
+      fmt::print(out, "{} ({})\n",
+                 bounded ? "the solver's bound is too wide to judge by"
+                         : "the noise is too large to judge by",
+                 bounded ? "--tolerance, --time" : "--walks");
+    if (overall == "inconclusive" && cut)
+      fmt::print(out, "walks cut after {} events hold more light than the noise (--max-order)\n",
+                 truth.plan().max_order);
+    if (overall == "inconclusive" && few)
+      fmt::print(out, "too few walks hit what scatters sharply (--walks, --estimator analog)\n");
   }
   if (!options.html.empty())
     write_report_page(options.html, stack.name + ": white furnace", answer, nullptr);

@@ -66,6 +66,8 @@ Json to_json(const LobeDifference& l) {
           {"energy_grid_standard_error", l.energy_error},
           {"energy_homogenised", l.energy_other},
           {"energy_homogenised_standard_error", l.energy_other_error},
+          {"energy_grid_missing", l.energy_missing},
+          {"energy_homogenised_missing", l.energy_other_missing},
           {"relative_rmse_without_noise", json_number(l.relative_rmse_without_noise)},
           {"p_value", l.p_value},
           {"verdict", to_text(l.verdict)}};
@@ -155,10 +157,21 @@ int homogenise_command(const Options& options) {
       fmt::print(out, "  {:>7} {:>9} {:>5} {:>10} {:>8} {:>10} {:>8} {:>9} {:>10} {:>9}  {}\n",
                  "theta_i", "side", "order", "grid", "+-", "layers", "+-", "energy", "rel. RMSE",
                  "p", "verdict");
+    bool cut = false;
     for (const LobeDifference& l : lobes) {
+      for (const double e : l.energy_missing) cut = cut || e > 0;
+      for (const double e : l.energy_other_missing) cut = cut || e > 0;
       if (!options.quiet) print(out, l);
       entries.push_back(to_json(l));
     }
+    if (!options.quiet)
+      fmt::print(out,
+                 "  agrees: no difference beyond the noise, which could hide none above {:g} % of "
+                 "rel. RMSE{}\n",
+                 100 * kAgreesWithin,
+                 cut ? "; walks were cut, and verdicts hold wherever their light belongs "
+                       "(--max-order)"
+                     : "");
     list.push_back({{"contrast_factor", factor},
                     {"layers", layers.layers.size()},
                     {"contrast", std::move(contrasts)},

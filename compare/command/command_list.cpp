@@ -94,6 +94,9 @@ int models_command(const Options& options) {
       fmt::print(out, "{}: {}\n    source: {}\n", info.name, info.doc, info.source);
       if (info.needs_stack) fmt::print(out, "    stack      a stack file or a built-in stack\n");
       print_parameters(out, info.parameters);
+      if (!info.selector.empty())
+        fmt::print(out, "    {0}_...   the keys of what {0} names, as they stand there\n",
+                   info.selector);
       for (const LobeInfo& lobe : info.lobes)
         fmt::print(out, "    .{:<9} {}; stands for order {}\n", lobe.name, lobe.doc,
                    to_text(lobe.order));
@@ -103,11 +106,17 @@ int models_command(const Options& options) {
     Json lobes = Json::array();
     for (const LobeInfo& lobe : info.lobes)
       lobes.push_back({{"name", lobe.name}, {"doc", lobe.doc}, {"order", to_text(lobe.order)}});
+    Json selected = Json::object();
+    if (!info.selector.empty())
+      for (const std::string& choice : find(info.parameters, info.selector)->choices)
+        selected[choice] = to_json(info.selected(choice));
     answer["models"].push_back({{"name", info.name},
                                 {"doc", info.doc},
                                 {"source", info.source},
                                 {"needs_stack", info.needs_stack},
                                 {"parameters", to_json(info.parameters)},
+                                {"selector", info.selector},
+                                {"selected", std::move(selected)},
                                 {"lobes", std::move(lobes)}});
   }
   write_json(answer, options.json);

@@ -3,6 +3,7 @@
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/output_folder.h"
+#include "compare/fit/fitted_models.h"
 #include "compare/options/progress.h"
 #include "compare/preview/preview_views.h"
 #include "compare/report/json_report.h"
@@ -37,14 +38,18 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
   check_preview("preview", stack);
   const std::vector<PictureFormat> formats = picture_formats_of(pictures);
   const PreviewLighting lighting = lighting_of(options);
-  const std::vector<BoundModel> models = models_for(model_requests(options), stack);
+  const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
   make_output_folder(folder);
   const RunMonitor monitor = terminal_monitor(options);
   const LobeTable table = LobeTable::make(request, monitor.stop, monitor.solver);
   if (monitor.finished) monitor.finished();
   std::FILE* out = table_stream(options);
-  if (!options.quiet) fmt::print(out, "{}: truth by {}\n", stack.name, table.source());
+  if (!options.quiet) {
+    fmt::print(out, "{}: truth by {}\n", stack.name, table.source());
+    for (const BoundModel& model : models)
+      fmt::print(out, "{}\n{}", model.info->name, told_parameters(model, 4));
+  }
   const std::vector<PreviewResult> views =
       preview_views(table, models, distinct_names(models), lighting, options.size, &user_interrupt);
   write_preview_files(folder + "/", views, table, stack, lighting, formats);

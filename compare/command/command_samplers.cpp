@@ -4,12 +4,14 @@
 #include <limits>
 
 #include "compare/command/command.h"
+#include "compare/fit/fitted_models.h"
 #include "compare/judge/sampler_statistics.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
 #include "compare/request/model_request.h"
 #include "compare/request/numbers.h"
+#include "compare/request/stack_parameters.h"
 
 namespace lamella {
 namespace {
@@ -107,7 +109,8 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
   answer["samples"] = closed.samples;
   answer["models"] = Json::array();
   for (const std::string& text : options.models.empty() ? default_requests() : options.models) {
-    const BoundModel bound = model_for(parse_model_request(text), stack);
+    const BoundModel bound = bind_model(
+        with_fitted_lobes(without_stack_key(parse_model_request(text), stack), stack), &stack);
     if (!options.quiet)
       fmt::print(out, "{}\n  {:>7} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7}\n", text, "theta_o",
                  "albedo", "mean", "+-", "variance", "max weight", "lost");

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "compare/drawing/picture_format.h"
+#include "compare/request/model_file.h"
 #include "compare/request/numbers.h"
 #include "phase/stack/stack_file.h"
 
@@ -61,6 +62,18 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
             const std::string hint = suggestion(text, words);
             return fmt::format("found \"{}\"{}; allowed: {}", text, hint.empty() ? "" : ", " + hint,
                                listed(words));
+          },
+          ""};
+}
+
+CLI::Validator model_argument() {
+  return {[](std::string& text) {
+            try {
+              text = model_text(text);
+            } catch (const UsageError& error) {
+              return std::string(error.what());
+            }
+            return std::string();
           },
           ""};
 }
@@ -150,7 +163,8 @@ void add_grid(CLI::App& command, CommandLine& line) {
 }
 
 void add_model(CLI::App& command, CommandLine& line, const std::string& doc) {
-  command.add_option("--model", line.options.models, doc)
+  command.add_option("--model", line.options.models, doc + "; @FILE: as it stands there")
+      ->transform(model_argument())
       ->type_name("NAME[,key=value...]")
       ->take_all()
       ->allow_extra_args(false);

@@ -9,6 +9,8 @@ namespace lamella {
 [[nodiscard]] CLI::Validator positive_number();
 [[nodiscard]] CLI::Validator number_from_zero();
 [[nodiscard]] CLI::Validator whole_number(std::uint64_t from, std::uint64_t to);
+/// A model, or @FILE with one in it, which it becomes.
+[[nodiscard]] CLI::Validator model_argument();
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
 
 /// Options that several commands share.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compare/fit/fitted_models.h"
 #include "compare/judge/comparison.h"
 #include "compare/request/model_request.h"
 #include "compare/request/truth_request.h"
@@ -63,28 +64,22 @@ std::vector<ModelAccuracy> accuracy_on(const Stack& stack, const std::string& fa
   request.estimator = Estimator::deterministic;
   request.tolerance = tolerance;
   GroundTruth truth(std::move(request), Estimator::analog, monitor);
-  const std::vector<BoundModel> models = models_for({}, stack);
+  const std::vector<BoundModel> models = fitted_models_for({}, stack);
   std::vector<ModelAccuracy> rows;
   for (const BoundModel& m : models)
-    rows.push_back(
-        {family, stack.name, m.info->name, std::vector<double>(truth.directions().size()), 0, 0});
+    rows.push_back({family, stack.name, m.info->name, {}, {}, 0, 0});
   for (std::size_t k = 0; k < truth.directions().size(); ++k) {
     const RunResult run = truth.find(k).run;
     for (std::size_t m = 0; m < models.size(); ++m) {
-      double squares = 0, truth_squares = 0;
       for (const bool up : {true, false}) {
         if (!up && !truth.plan().transmits) continue;
         const ProjectedLobes projected =
             project(*models[m].model, *models[m].info, run.incident, run.grid, up, run.channels);
         const LobeComparison all = compare(run, nullptr, projected, up).back();
-        for (std::size_t i = 0; i < all.truth.size(); ++i) {
-          squares += (all.model[i] - all.truth[i]) * (all.model[i] - all.truth[i]);
-          truth_squares += all.truth[i] * all.truth[i];
-        }
+        (up ? rows[m].reflected : rows[m].transmitted).push_back(all.relative_rmse);
         rows[m].energy_off =
             std::max(rows[m].energy_off, std::abs(all.energy_model[0] - all.energy_truth[0]));
       }
-      rows[m].relative_rmse[k] = std::sqrt(squares / truth_squares);
       rows[m].bound = std::max(rows[m].bound, run.accuracy->error);
     }
   }

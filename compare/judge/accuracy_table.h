@@ -9,15 +9,15 @@
 namespace lamella {
 
 /// How far a closed form is from the solved truth of one stack that it claims to describe, at the
-/// default incident directions (theta_i = 0, 30, 60, 80 degrees), all orders, reflection; for slabs
-/// reflection and transmission.
+/// default incident directions (theta_i = 0, 30, 60, 80 degrees), all orders, each side by itself.
 struct ModelAccuracy {
   std::string family;  ///< of stacks, in words
   std::string stack;   ///< the parameters that vary within it
   std::string model;
-  std::vector<double> relative_rmse;  ///< per incident direction
-  double energy_off = 0;              ///< largest |energy of the model - of the truth|
-  double bound = 0;                   ///< of the truth, relative to the mean over the azimuth
+  std::vector<double> reflected;    ///< relative RMSE of that lobe, per incident direction
+  std::vector<double> transmitted;  ///< likewise; empty where nothing comes through
+  double energy_off = 0;            ///< largest |energy of the model - of the truth| of a side
+  double bound = 0;                 ///< of the truth, relative to the mean over the azimuth
 };
 
 /// Every closed form that claims a medium, over its parameters, against the deterministic solver on

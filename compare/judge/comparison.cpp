@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "compare/judge/missing_light.h"
 #include "compare/judge/statistics.h"
 
 namespace lamella {
@@ -15,8 +16,6 @@ constexpr double kPooledEvents = 100;
 // Walks per batch below which differences between patches, where most noise cancels and rare walks
 // count, are too skew for Hotelling's test (at 50 it rejects 1 true slab in 10, at 200 none in 40).
 constexpr double kWalksPerBatch = 200;
-constexpr double kHiddenError = 0.1;
-
 BatchSums lobe_sums(const Simulation& truth, bool up, int order) {
   const CellTargets& targets = truth.targets();
   const int channels = truth.plan().channels, cells = targets.grid.cells();
@@ -91,16 +90,44 @@ std::vector<double> noise_of_parts(
   return means_of(sums).standard_error;
 }
 
-// `bounds`: of the truth's cells, where it has such.
+// Per group of cells, the sum of the budgets of the channels that it has cells of.
+std::vector<double> grouped_budget(const std::vector<double>& budget, const std::vector<int>& group,
+                                   int groups) {
+  if (budget.empty()) return {};
+  const std::size_t cells = group.size() / budget.size();
+  std::vector<double> out(groups);
+  for (std::size_t c = 0; c < budget.size(); ++c) {
+    std::vector<bool> seen(groups);
+    for (std::size_t k = c * cells; k < (c + 1) * cells; ++k) {
+      if (group[k] < 0 || seen[group[k]]) continue;
+      seen[group[k]] = true;
+      out[group[k]] += budget[c];
+    }
+  }
+  return out;
+}
+
+// The group of a cell when groups of cells are grouped once more.
+std::vector<int> group_of_group(const std::vector<int>& first, const std::vector<int>& second) {
+  std::vector<int> out;
+  for (const int g : first) out.push_back(g < 0 ? -1 : second[g]);
+  return out;
+}
+
+// `bounds`: of the truth's cells, where it has such. `budget`: per channel, how much the sum of the
+// cells may be too low; empty where nothing is missing.
 double p_value_of(const BatchSums& sums, const std::vector<double>& model,
-                  const std::vector<double>& bounds, const CellGrid& grid, int channels) {
+                  const std::vector<double>& bounds, const std::vector<double>& budget,
+                  const CellGrid& grid, int channels) {
   int patch_count = 0;
   const std::vector<int> patch = patches(grid, channels, patch_count);
   const BatchSums patched = grouped(sums, patch, patch_count);
   const std::vector<double> patched_model = grouped_values(model, patch, patch_count);
   // Patches that are seen too rarely are pooled like cells are.
+  // `cell_group`: of each cell among the quantities of s.
   const auto tests = [&](const BatchSums& s, const std::vector<double>& expected,
-                         const std::vector<double>& known, bool hotelling) {
+                         const std::vector<double>& known, const std::vector<int>& cell_group,
+                         bool hotelling) {
     const auto uncertainty = [](const std::vector<double>& values,
                                 const std::vector<double>& within) {
       std::vector<double> out;
@@ -116,25 +143,39 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model,
       const std::vector<int> one(s.quantities(), 0);
       const Means mean = means_of(grouped(s, one, 1));
       const std::vector<double> total = grouped_values(expected, one, 1);
+      const std::vector<double> missing =
+          grouped_budget(budget, group_of_group(cell_group, one), 1);
       if (mean.value[0] == 0)
-        return std::exp(-std::max(0.0, total[0]) * grid.projected_solid_angle() *
+        return std::exp(-std::max(0.0, total[0] - (missing.empty() ? 0 : missing[0])) *
+                        grid.projected_solid_angle() *
                         std::accumulate(s.walks.begin(), s.walks.end(), 0.0) / channels);
       return largest_deviation_p_value(
-          mean, total, uncertainty(total, grouped_values(known, one, 1)), s.batches());
+          mean, total, uncertainty(total, grouped_values(known, one, 1)), s.batches(), missing);
     }
     const BatchSums pooled = grouped(s, group, groups);
     const std::vector<double> pooled_expected = grouped_values(expected, group, groups);
     const std::vector<double> known_to =
         uncertainty(pooled_expected, grouped_values(known, group, groups));
     return hotelling ? hotelling_p_value(pooled, pooled_expected, known_to)
-                     : largest_deviation_p_value(means_of(pooled), pooled_expected, known_to,
-                                                 s.batches());
+                     : largest_deviation_p_value(
+                           means_of(pooled), pooled_expected, known_to, s.batches(),
+                           grouped_budget(budget, group_of_group(cell_group, group), groups));
   };
   const double fewest = *std::min_element(sums.walks.begin(), sums.walks.end());
+  std::vector<int> own(model.size());
+  std::iota(own.begin(), own.end(), 0);
   const double broad = tests(patched, patched_model, grouped_values(bounds, patch, patch_count),
-                             fewest >= kWalksPerBatch);
-  const double local = tests(sums, model, bounds, false);
-  return std::min(1.0, 2 * std::min(broad, local));
+                             patch, budget.empty() && fewest >= kWalksPerBatch);
+  const double local = tests(sums, model, bounds, own, false);
+  if (budget.empty()) return std::min(1.0, 2 * std::min(broad, local));
+  // The missing light is bounded in all: the whole lobe shows what no patch does.
+  std::vector<int> channel(model.size());
+  for (std::size_t k = 0; k < model.size(); ++k)
+    channel[k] = static_cast<int>(k / (model.size() / channels));
+  const double whole =
+      tests(grouped(sums, channel, channels), grouped_values(model, channel, channels),
+            grouped_values(bounds, channel, channels), channel, false);
+  return std::min(1.0, 3 * std::min({broad, local, whole}));
 }
 
 // Whether each cell of the model is as near to the truth as the truth's bound and what is known of
@@ -175,6 +216,10 @@ std::string to_text(Verdict verdict) {
   return "insufficient";
 }
 
+bool LobeComparison::is_cut() const {
+  return std::any_of(energy_missing.begin(), energy_missing.end(), [](double e) { return e > 0; });
+}
+
 std::vector<double> LobeComparison::z() const {
   std::vector<double> out(truth.size());
   for (std::size_t k = 0; k < out.size(); ++k) {
@@ -213,6 +258,11 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
                              : Means{grouped_values(l.truth, channel_of, run.channels),
                                      grouped_values(l.standard_error, channel_of, run.channels)};
     const std::vector<double> model_energy = grouped_values(l.model, channel_of, run.channels);
+    l.energy_missing = missing_energy(run, l.order);
+    std::vector<double> budget;  // of the cells' sums
+    if (l.is_cut())
+      for (const double energy_missing : l.energy_missing)
+        budget.push_back(energy_missing / solid_angle);
     for (int c = 0; c < run.channels; ++c) {
       l.energy_truth.push_back(energy.value[c] * solid_angle);
       l.energy_error.push_back(energy.standard_error[c] * solid_angle);
@@ -237,13 +287,22 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     l.relative_rmse = relative(l.rmse);
     l.rmse_without_noise = std::sqrt(std::max(squares - noise - model_noise, 0.0));
     l.relative_rmse_without_noise = relative(l.rmse_without_noise);
+    l.relative_rmse_least = l.relative_rmse_most = l.relative_rmse_without_noise;
+    l.rmse_most = l.rmse_without_noise;
+    if (l.is_cut()) {
+      const SquaredDifferences range = squared_differences(l.model, l.truth, budget);
+      const double least = std::max(range.least - noise - model_noise, 0.0);
+      l.relative_rmse_least = std::sqrt(least / most_mean_square(l.truth, budget));
+      l.rmse_most = std::sqrt(std::max(range.most - noise - model_noise, 0.0));
+      l.relative_rmse_most = relative(l.rmse_most);
+    }
     if (batches || !model.parts.empty()) {
       if (!batches) sums = same_in_batches(l.truth, model.parts.size());
       add_noise(sums, model.parts, o);
       std::vector<double> bounds = batches ? std::vector<double>(n) : l.standard_error;
       for (std::size_t k = 0; k < l.projection_error.size(); ++k)
         bounds[k] += l.projection_error[k];
-      l.p_value = p_value_of(sums, l.model, bounds, run.grid, run.channels);
+      l.p_value = p_value_of(sums, l.model, bounds, budget, run.grid, run.channels);
     } else {
       l.p_value = is_within_bounds(l) ? 1 : 0;
     }
@@ -271,13 +330,13 @@ void decide(const std::vector<LobeComparison*>& lobes) {
       noise += variance / n;
       squares += l->truth[k] * l->truth[k] / n;
     }
-    const double hidden =
-        l->bounded ? hidden_by_bounds(*l) + 2 * std::sqrt(2 * fourth) / n
-                   : l->rmse_without_noise * l->rmse_without_noise + 2 * std::sqrt(2 * fourth) / n;
+    // The truth's mean square without the missing light is the least that it can be.
     const double truth = l->bounded ? squares : std::max(squares - noise, 0.0);
-    const bool nothing = squares == 0 && l->rmse == 0;
-    l->verdict = nothing || hidden <= kHiddenError * kHiddenError * truth ? Verdict::agrees
-                                                                          : Verdict::insufficient;
+    const double seen = l->bounded ? hidden_by_bounds(*l) : l->rmse_most * l->rmse_most;
+    const double hidden = seen + 2 * std::sqrt(2 * fourth) / n;
+    const bool nothing = squares == 0 && l->rmse == 0 && !l->is_cut();
+    l->verdict = nothing || hidden <= kAgreesWithin * kAgreesWithin * truth ? Verdict::agrees
+                                                                            : Verdict::insufficient;
   }
 }
 

@@ -19,11 +19,17 @@ struct LobeComparison {
   bool reflected = true;
   Order order = Order::all;
   std::vector<double> energy_truth, energy_error, energy_model;  ///< per channel
+  /// Per channel, how much energy_truth may be too low, as walks were cut (missing_light.h).
+  std::vector<double> energy_missing;
   double rmse = 0;                ///< root of the mean squared difference [1/sr], all channels
   double relative_rmse = 0;       ///< over the root mean square of the truth; inf if that is 0
   double rmse_without_noise = 0;  ///< with the variance of the noise removed, a stochastic model's
                                   ///< own too; 0 if that exceeds it
   double relative_rmse_without_noise = 0;
+  /// Between these lies relative_rmse_without_noise, wherever the missing light belongs; both are
+  /// equal to it where none is missing.
+  double relative_rmse_least = 0, relative_rmse_most = 0;
+  double rmse_most = 0;  ///< the RMSE without noise that goes with relative_rmse_most [1/sr]
   double max_error = 0;  ///< largest |difference| of a cell, noise included [1/sr]
   double p_value = 1;    ///< of the hypothesis that model and truth are the same
   int empty_cells = 0;   ///< of the truth: no standard error, pooled in the test
@@ -36,6 +42,8 @@ struct LobeComparison {
   /// What the projection left open beyond kProjectionTolerance, per cell; empty if nothing.
   std::vector<double> projection_error;
 
+  /// Whether walks were cut that may have belonged here.
+  [[nodiscard]] bool is_cut() const;
   /// (model - truth) / the standard error of both; 0 in cells without one.
   [[nodiscard]] std::vector<double> z() const;
 };
@@ -45,7 +53,10 @@ struct LobeComparison {
 /// every cell of the model is within the bound and its own projection error, else 0, and there is
 /// no noise to remove. A stochastic model's noise is removed like the truth's, and counts in the
 /// p-value with its covariance over cells; against bounds the p-value is then a test's, each cell
-/// known to its bound. Verdicts are left at `agrees` until `decide` has seen all comparisons of a
+/// known to its bound. Where walks were cut the hypothesis is that model and truth are the same
+/// wherever the missing light belongs: means that are too low by no more than it do not count, and
+/// Hotelling's test, which has no such side, gives way to the largest deviation of a patch or of
+/// the whole lobe. Verdicts are left at `agrees` until `decide` has seen all comparisons of a
 /// report.
 [[nodiscard]] std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
                                                   const ProjectedLobes& model, bool reflected);
@@ -53,9 +64,12 @@ struct LobeComparison {
 /// Chance that a report with only true models calls one of them different.
 inline constexpr double kReportFalseAlarm = 0.01;
 
+/// The relative RMSE within which a model `agrees`.
+inline constexpr double kAgreesWithin = 0.1;
+
 /// Sets the verdicts: `differs` if the p-value is below the level that the report's lobes share
-/// (Sidak), `insufficient` if it is not but the noise, or the bound, could hide a relative RMSE of
-/// 10 %.
+/// (Sidak), `insufficient` if it is not but the noise, the bound or the missing light could hide a
+/// relative RMSE of kAgreesWithin, else `agrees`.
 void decide(const std::vector<LobeComparison*>& lobes);
 
 }  // namespace lamella

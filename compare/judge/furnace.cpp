@@ -14,11 +14,10 @@ namespace {
 
 // (mean / standard error)^2 below which a mean over batches is too skew to be judged.
 constexpr double kFewestEvents = 100;
-// Bound of an energy above which a furnace is not judged.
-constexpr double kWidestBound = 1e-3;
-
-double t_quantile(double level) {
-  return boost::math::quantile(complement(boost::math::students_t(kBatches - 1.0), level / 2));
+FurnaceVerdict verdict_of(const FurnaceRun& f) {
+  if (f.loses || f.gains) return FurnaceVerdict::fail;
+  return f.is_wide || f.is_cut || f.has_few_events ? FurnaceVerdict::inconclusive
+                                                   : FurnaceVerdict::pass;
 }
 
 // The energy of the cells, which are integrals over directions of their own, against the absorption
@@ -42,15 +41,12 @@ FurnaceRun judge_bounded(const RunResult& run, bool white) {
     }
     furnace.energy[c] = {energy, bound};
     furnace.expected[c] = 1 - run.absorbed[c].value;
-    FurnaceVerdict verdict = FurnaceVerdict::pass;
-    if (std::abs(energy - furnace.expected[c]) > bound + 1e-12 ||
-        (white && run.absorbed[c].value > bound + 1e-12))
-      verdict = FurnaceVerdict::fail;
-    else if (bound > kWidestBound)
-      verdict = FurnaceVerdict::inconclusive;
-    if (verdict == FurnaceVerdict::fail || furnace.verdict == FurnaceVerdict::pass)
-      furnace.verdict = verdict;
+    const double defect = energy - furnace.expected[c], noise = bound + 1e-12;
+    furnace.gains = furnace.gains || defect > noise;
+    furnace.loses = furnace.loses || defect < -noise || (white && run.absorbed[c].value > noise);
+    furnace.is_wide = furnace.is_wide || !(bound <= kWidestFurnaceError);
   }
+  furnace.verdict = verdict_of(furnace);
   return furnace;
 }
 
@@ -68,6 +64,14 @@ std::string to_text(FurnaceVerdict verdict) {
   return "inconclusive";
 }
 
+std::string loss_or_gain(bool loses, bool gains) {
+  return loses ? gains ? "both" : "loss" : gains ? "gain" : "none";
+}
+
+double furnace_quantile(double level) {
+  return boost::math::quantile(complement(boost::math::students_t(kBatches - 1.0), level / 2));
+}
+
 FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool white,
                          double level) {
   if (!batches) return judge_bounded(run, white);
@@ -77,7 +81,7 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
   const CellTargets& targets = simulation.targets();
   const std::size_t count = targets.count();
   const double solid_angle = targets.grid.projected_solid_angle();
-  const double t = t_quantile(level);
+  const double t = furnace_quantile(level);
   // A closed form's sampler gives weights that are the albedo in the mean only.
   const bool weighs = simulation.stack().substrate && simulation.stack().substrate->law;
   for (int c = 0; c < run.channels; ++c) {
@@ -102,14 +106,13 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
     const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
-    FurnaceVerdict verdict = FurnaceVerdict::pass;
-    if ((std::abs(defect.value) > noise && !too_few) || (white && lost > 1e-12))
-      verdict = FurnaceVerdict::fail;
-    else if (unresolved > noise || too_few)
-      verdict = FurnaceVerdict::inconclusive;
-    if (verdict == FurnaceVerdict::fail || furnace.verdict == FurnaceVerdict::pass)
-      furnace.verdict = verdict;
+    furnace.gains = furnace.gains || (defect.value > noise && !too_few);
+    furnace.loses = furnace.loses || (defect.value < -noise && !too_few) || (white && lost > 1e-12);
+    furnace.is_cut = furnace.is_cut || unresolved > noise;
+    furnace.has_few_events = furnace.has_few_events || too_few;
+    furnace.is_wide = furnace.is_wide || !(error <= kWidestFurnaceError);
   }
+  furnace.verdict = verdict_of(furnace);
   return furnace;
 }
 

@@ -13,6 +13,10 @@ enum class FurnaceVerdict { pass, fail, inconclusive };
 
 [[nodiscard]] std::string to_text(FurnaceVerdict verdict);
 
+/// Error of an energy above which a furnace is not judged: a standard error of walks, a bound of
+/// the solver.
+inline constexpr double kWidestFurnaceError = 1e-3;
+
 /// The furnace of one incident direction: the energy that leaves, measured by what arrives at the
 /// targets, against the walk's own ledger.
 struct FurnaceRun {
@@ -20,16 +24,29 @@ struct FurnaceRun {
   std::array<Estimate, 3> energy{};  ///< reflected + transmitted + uncollided, by the estimator
   std::array<double, 3> expected{};  ///< 1 - absorbed - unresolved - thinned by the ledger
   FurnaceVerdict verdict = FurnaceVerdict::pass;
+  bool loses = false, gains = false;  ///< where it fails: what a channel does beyond its error
+  bool is_wide = false;               ///< an error is above kWidestFurnaceError
+  bool is_cut = false;                ///< more is unresolved than the noise
+  bool has_few_events = false;        ///< too few to judge a mean by
 };
 
+/// "none", "loss", "gain" or "both".
+[[nodiscard]] std::string loss_or_gain(bool loses, bool gains);
+
 /// A furnace judged: the energy that leaves must be 1 (with absorption kept: 1 less what the ledger
-/// says is absorbed) within the noise. What the order limit cut is missing: if it is more than the
-/// noise and the energy is short by no more than it, nothing can be said; nor where the estimator
-/// saw fewer than some 100 effective events (sharp lobes that few walks hit). `level`: the
-/// probability with which a true furnace may fail by chance. Without batches the run has error
-/// bounds: what its cells sum to must be 1 within them, and bounds above 1e-3 say nothing.
+/// says is absorbed) within furnace_quantile(level) standard errors. What the order limit cut is
+/// missing: if it is more than the noise and the energy is short by no more than it, nothing can be
+/// said; nor where the estimator saw fewer than some 100 effective events (sharp lobes that few
+/// walks hit), nor where the energy's standard error, thinning's part included, is above
+/// kWidestFurnaceError. `level`: the probability with which a true furnace may fail by chance.
+/// Without batches the run has error bounds: what its cells sum to must be 1 within them, and
+/// bounds above kWidestFurnaceError say nothing.
 [[nodiscard]] FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool white,
                                        double level);
+
+/// Standard errors that a true furnace of walks exceeds with the probability `level`, on either
+/// side: Student's t over the batches.
+[[nodiscard]] double furnace_quantile(double level);
 
 /// A one-sided stack's second furnace: the radiance seen along w under uniform light of radiance 1
 /// from both sides.

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/judge/missing_light.h"
 #include "compare/judge/statistics.h"
 
 namespace lamella {
 namespace {
 
 constexpr double kPooledEvents = 100;  // as for closed forms
-constexpr double kHiddenError = 0.1;
 
 // Sums of one lobe over groups of its cells, per batch; group_of(channel, cell).
 template <class GroupOf>
@@ -35,7 +35,10 @@ BatchSums lobe_sums(const Simulation& simulation, bool up, int order, int groups
   return out;
 }
 
-double p_value_of(const Simulation& first, const Simulation& second, bool up, int order) {
+// `missing`, `other_missing`: per channel, what the sums over the cells of either may be too low
+// by; empty where nothing is missing.
+double p_value_of(const Simulation& first, const Simulation& second, bool up, int order,
+                  const std::vector<double>& missing, const std::vector<double>& other_missing) {
   const CellGrid& grid = first.targets().grid;
   const int channels = first.plan().channels;
   const int rows = std::min(4, grid.rows());
@@ -59,6 +62,26 @@ double p_value_of(const Simulation& first, const Simulation& second, bool up, in
   if (groups <= 0) {
     group.assign(patches, 0);
     groups = 1;
+  }
+  if (!missing.empty()) {
+    // first - second lies between -missing and other_missing, whatever belongs where.
+    const int per_channel = rows * columns;
+    const auto beyond = [&](const std::vector<int>& of_patch, int count) {
+      std::vector<double> highest(count), width(count);
+      std::vector<std::vector<bool>> seen(count, std::vector<bool>(channels));
+      for (int p = 0; p < patches; ++p) {
+        const int c = p / per_channel, g = of_patch[p];
+        if (seen[g][c]) continue;
+        seen[g][c] = true;
+        highest[g] += other_missing[c];
+        width[g] += missing[c] + other_missing[c];
+      }
+      return largest_deviation_p_value(means_of(grouped(difference, of_patch, count)), highest,
+                                       std::vector<double>(count), difference.batches(), width);
+    };
+    std::vector<int> whole(patches);
+    for (int p = 0; p < patches; ++p) whole[p] = p / per_channel;
+    return std::min(1.0, 2 * std::min(beyond(group, groups), beyond(whole, channels)));
   }
   const BatchSums pooled = grouped(difference, group, groups);
   const std::vector<double> zero(groups);
@@ -102,14 +125,35 @@ std::vector<LobeDifference> differences(const Simulation& first, const Simulatio
         own += fa.value[k] * fa.value[k] / n;
         own_noise += va / n;
       }
+      const auto order = static_cast<Order>(o);
+      l.energy_missing = missing_energy(a, order);
+      l.energy_other_missing = missing_energy(b, order);
+      const bool cut = is_cut(a, order) || is_cut(b, order);
+      // The most that missing light adds to the mean square: all of either in one cell.
+      double added = 0;
+      std::vector<double> budget, other_budget;
+      for (int c = 0; cut && c < a.channels; ++c) {
+        budget.push_back(l.energy_missing[c] / a.grid.projected_solid_angle());
+        other_budget.push_back(l.energy_other_missing[c] / a.grid.projected_solid_angle());
+        double highest = 0, lowest = 0;
+        const std::size_t cells = fa.value.size() / a.channels;
+        for (std::size_t k = c * cells; k < (c + 1) * cells; ++k) {
+          highest = std::max(highest, fa.value[k] - fb.value[k]);
+          lowest = std::min(lowest, fa.value[k] - fb.value[k]);
+        }
+        added += (budget.back() * (budget.back() + 2 * highest) +
+                  other_budget.back() * (other_budget.back() - 2 * lowest)) /
+                 n;
+      }
       const double signal = std::max(squares - noise, 0.0), power = std::max(own - own_noise, 0.0);
       const double infinity = std::numeric_limits<double>::infinity();
       l.relative_rmse_without_noise = signal == 0 ? 0
                                       : power > 0 ? std::sqrt(signal / power)
                                                   : infinity;
-      const double hidden = signal + 2 * std::sqrt(2 * fourth) / n;
+      const double hidden = signal + added + 2 * std::sqrt(2 * fourth) / n;
       l.hidden = hidden == 0 ? 0 : power > 0 ? hidden / power : infinity;
-      l.p_value = p_value_of(first, second, (a.incident.z > 0) == reflected, o);
+      l.p_value =
+          p_value_of(first, second, (a.incident.z > 0) == reflected, o, budget, other_budget);
       lobes.push_back(std::move(l));
     }
   }
@@ -121,9 +165,9 @@ void decide(std::vector<LobeDifference>& lobes) {
   const double level =
       -std::expm1(std::log1p(-kReportFalseAlarm) / static_cast<double>(lobes.size()));
   for (LobeDifference& l : lobes)
-    l.verdict = l.p_value < level                         ? Verdict::differs
-                : l.hidden <= kHiddenError * kHiddenError ? Verdict::agrees
-                                                          : Verdict::insufficient;
+    l.verdict = l.p_value < level                           ? Verdict::differs
+                : l.hidden <= kAgreesWithin * kAgreesWithin ? Verdict::agrees
+                                                            : Verdict::insufficient;
 }
 
 }  // namespace lamella

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
+#include "compare/fit/fitted_models.h"
 #include "compare/judge/projection.h"
 #include "compare/request/model_request.h"
 #include "compare/request/percent.h"
@@ -38,18 +40,24 @@ RunResult walked(const TruthRequest& medium, const RunResult& like, const StopFl
 
 }  // namespace
 
-RelativeError relative_error(const LobeEstimate& truth, const std::vector<double>& reference,
-                             const std::vector<double>& reference_error) {
-  double difference = 0, variance = 0, square = 0;
+RelativeError relative_error(const LobeEstimate& truth, const std::vector<double>& other,
+                             const std::vector<double>& other_error) {
+  double difference = 0, noise = 0, square = 0, own_noise = 0;
   for (std::size_t k = 0; k < truth.value.size(); ++k) {
-    const double d = reference[k] - truth.value[k];
+    const double d = other[k] - truth.value[k];
     difference += d * d;
-    square += reference[k] * reference[k];
-    variance += truth.standard_error[k] * truth.standard_error[k];
-    if (!reference_error.empty()) variance += reference_error[k] * reference_error[k];
+    square += truth.value[k] * truth.value[k];
+    own_noise += truth.standard_error[k] * truth.standard_error[k];
+    if (!other_error.empty()) noise += other_error[k] * other_error[k];
   }
-  if (square == 0) return {};
-  return {std::sqrt(std::max(0.0, difference - variance) / square), std::sqrt(variance / square)};
+  noise += own_noise;
+  const double signal = std::max(0.0, square - own_noise);
+  const auto relative = [&](double squares) {
+    return signal > 0    ? std::sqrt(squares / signal)
+           : squares > 0 ? std::numeric_limits<double>::infinity()
+                         : 0;
+  };
+  return {relative(std::max(0.0, difference - noise)), relative(noise)};
 }
 
 std::vector<SideBySide> side_by_side(const TruthRequest& request,
@@ -66,7 +74,7 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
     } catch (const std::invalid_argument&) {
       continue;  // no such medium for these grains
     }
-    const std::vector<BoundModel> models = models_for({}, medium);
+    const std::vector<BoundModel> models = fitted_models_for({}, medium);
     TruthRequest of_medium = request;
     of_medium.stack = medium;
     for (const RunResult& grains : runs) {
@@ -112,9 +120,9 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
 
 std::string side_by_side_table(const std::vector<SideBySide>& rows) {
   std::string text =
-      "\nThe geometry, a medium measured from it, a closed form of that medium; relative RMSE "
-      "without noise of\n  (a) geometry - medium: the medium's part, (b) medium - form: the closed "
-      "form's part, (c) geometry - form\n";
+      "\nThe geometry, a medium measured from it, a closed form of that medium; rel. RMSE without "
+      "noise of\n  (a) the medium, over the geometry's root mean square, (b) the form, over the "
+      "medium's, (c) the form, over the geometry's\n";
   text += fmt::format("  {:>7} {:>5} {:>9} | {:<14} {:>9} {:>9} | {:<30} {:>9} {:>9} {:>9} {:>9}\n",
                       "theta_i", "order", "geometry", "medium", "energy", "(a)", "closed form",
                       "energy", "(b)", "(c)", "noise");

@@ -9,30 +9,31 @@
 
 namespace lamella {
 
-/// The relative root mean square difference of a lobe on cells from a reference, the noise that
-/// both carry removed, and that noise, relative too: below about half of it a difference is not
-/// seen.
+/// How far a lobe on cells is from a truth, as LobeComparison has it: the root of the mean squared
+/// difference, the noise that both carry removed, over the root mean square of the truth, its noise
+/// removed. And that noise over the same: below about half of it a difference is not seen. Both
+/// infinite where the truth is 0 and the other is not.
 struct RelativeError {
   double rmse = 0, noise = 0;
 };
 
-/// `reference_error`: standard errors of the reference, empty if it has none. All per cell.
+/// `other_error`: standard errors of the other, empty if it has none. All per cell.
 [[nodiscard]] RelativeError relative_error(const LobeEstimate& truth,
-                                           const std::vector<double>& reference,
-                                           const std::vector<double>& reference_error = {});
+                                           const std::vector<double>& other,
+                                           const std::vector<double>& other_error = {});
 
 /// Explicit geometry, a medium that stands for it, and a closed form of that medium: one lobe of
-/// the reflected light. Errors are relative root mean square differences over the cells, without
-/// noise: what the medium leaves out of the geometry, and what the form leaves out of the medium.
+/// the reflected light. What the medium leaves out of the geometry, what the form leaves out of the
+/// medium, and what it leaves out of the geometry, which is the truth of the first and the last.
 struct SideBySide {
   Direction wi{};
   std::string medium;  ///< its layer's
   std::string model;   ///< empty: no closed form of that medium stands for this order
   Order order = Order::all;
   double energy_geometry = 0, energy_medium = 0, energy_model = 0;  ///< luminance (Rec. 709)
-  RelativeError medium_error;                                       ///< geometry against medium
-  RelativeError model_error;                                        ///< medium against model
-  RelativeError total_error;                                        ///< geometry against model
+  RelativeError medium_error;  ///< of the medium, geometry being the truth
+  RelativeError model_error;   ///< of the model, the medium being the truth
+  RelativeError total_error;   ///< of the model, geometry being the truth
 };
 
 /// Measures the geometry, walks the media that can stand for it (volume/grains/grain_measure.h) and

@@ -102,10 +102,13 @@ double hotelling_p_value(const BatchSums& sums, const std::vector<double>& expec
 }
 
 double largest_deviation_p_value(const Means& means, const std::vector<double>& expected,
-                                 const std::vector<double>& uncertainty, int batches) {
+                                 const std::vector<double>& uncertainty, int batches,
+                                 const std::vector<double>& missing) {
   double largest = 0;
   for (std::size_t k = 0; k < expected.size(); ++k) {
-    const double difference = std::abs(means.value[k] - expected[k]);
+    const double too_low = expected[k] - means.value[k];
+    const double difference =
+        too_low > 0 ? std::max(0.0, too_low - (missing.empty() ? 0 : missing[k])) : -too_low;
     const double error = std::hypot(means.standard_error[k], uncertainty[k]);
     if (error > 0)
       largest = std::max(largest, difference / error);

@@ -42,9 +42,11 @@ struct Means {
 /// p-value of the largest |difference| over the quantities in units of its error (standard error
 /// and uncertainty of the given value together), by Student's t with Bonferroni's bound, which
 /// holds under any correlation. A quantity without any error counts as infinitely far off if it
-/// differs at all (beyond rounding), else as exact.
+/// differs at all (beyond rounding), else as exact. `missing`, if not empty: how much each mean may
+/// be too low by itself, which is no deviation.
 [[nodiscard]] double largest_deviation_p_value(const Means& means,
                                                const std::vector<double>& expected,
-                                               const std::vector<double>& uncertainty, int batches);
+                                               const std::vector<double>& uncertainty, int batches,
+                                               const std::vector<double>& missing = {});
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/request/errors.h"
+#include "compare/request/stack_parameters.h"
 
 namespace lamella {
 
@@ -66,6 +67,19 @@ Parameters read_parameters(const std::string& what, const std::vector<ParameterI
   return parameters;
 }
 
+std::vector<ParameterInfo> parameters_of(const ModelInfo& info, const ModelRequest& request) {
+  Parameters selecting;
+  for (const auto& [key, text] : request.values) {
+    if (info.selector.empty() || key != info.selector) continue;
+    try {
+      selecting.set(key, parse_value(*find(info.parameters, key), text));
+    } catch (const ParameterError& error) {
+      throw UsageError(fmt::format("{}: {}", request.name, error.what()));
+    }
+  }
+  return parameters_of(info, selecting);
+}
+
 BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
   BoundModel bound;
   bound.info = find_or_load_model(request.name);
@@ -81,8 +95,9 @@ BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
         fmt::format("{}: key \"stack\": found nothing; allowed: a stack file, - or a "
                     "built-in stack",
                     request.name));
-  bound.parameters = read_parameters(request.name, bound.info->parameters, request.values);
-  for (const ParameterInfo& info : bound.info->parameters)
+  const std::vector<ParameterInfo> infos = parameters_of(*bound.info, request);
+  bound.parameters = read_parameters(request.name, infos, request.values);
+  for (const ParameterInfo& info : infos)
     if (!bound.parameters.has(info.name) && info.default_value.empty())
       throw UsageError(fmt::format("{}: key \"{}\": found nothing; allowed: {}", request.name,
                                    info.name, allowed_values(info)));
@@ -91,18 +106,22 @@ BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
   } catch (const ParameterError& error) {
     throw UsageError(fmt::format("{}: {}", request.name, error.what()));
   }
+  for (const auto& [key, value] : bound.parameters.all()) {
+    const auto source = request.sources.find(key);
+    const bool given = std::any_of(request.values.begin(), request.values.end(),
+                                   [&, &k = key](const auto& v) { return v.first == k; });
+    bound.sources[key] = source != request.sources.end() ? source->second
+                         : given                         ? "given"
+                                                         : "default";
+  }
   return bound;
 }
-
-namespace {
 
 std::string request_value(const ParameterValue& value) {
   std::string text = to_text(value);
   std::erase_if(text, [](char c) { return c == '[' || c == ']' || c == '"' || c == ' '; });
   return text;
 }
-
-}  // namespace
 
 std::vector<std::string> distinct_names(const std::vector<BoundModel>& models) {
   std::vector<std::string> names;
@@ -124,36 +143,50 @@ std::string to_request(const BoundModel& model) {
   return text;
 }
 
+std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests,
+                                       const Stack& stack) {
+  if (!requests.empty()) return requests;
+  std::vector<ModelRequest> all;
+  for (const ModelInfo& info : models())
+    if (info.applies_to && info.applies_to(stack)) all.push_back({info.name, {}});
+  return all;
+}
+
 BoundModel model_for(const ModelRequest& request, const Stack& stack) {
-  ModelRequest whole = request;
-  // What the request leaves open comes from the stack, where the model applies to it.
+  ModelRequest whole = without_stack_key(request, stack);
   const ModelInfo* info = find_or_load_model(request.name);
-  if (info && info->applies_to)
-    if (const auto from_stack = info->applies_to(stack))
-      for (const auto& entry : from_stack->all()) {
-        const std::string& key = entry.first;
-        const bool given = std::any_of(request.values.begin(), request.values.end(),
-                                       [&](const auto& v) { return v.first == key; });
-        if (!given) whole.values.emplace_back(key, request_value(entry.second));
-      }
+  if (info) whole = with_stack_parameters(std::move(whole), *info, stack);
   return bind_model(whole, &stack);
+}
+
+std::vector<std::string> told_parameters(const BoundModel& model) {
+  std::vector<std::string> told;
+  for (const ParameterInfo& info : parameters_of(*model.info, model.parameters))
+    if (model.parameters.has(info.name))
+      told.push_back(fmt::format("{} = {} ({})", info.name, to_text(model.parameters.at(info.name)),
+                                 model.sources.at(info.name)));
+  return told;
+}
+
+std::string told_parameters(const BoundModel& model, int indent, int width) {
+  std::string text, line;
+  const auto end_line = [&](const char* mark) {
+    if (!line.empty()) text += fmt::format("{:{}}{}{}\n", "", indent, line, mark);
+    line.clear();
+  };
+  for (const std::string& part : told_parameters(model)) {
+    const std::size_t columns = indent + line.size() + 2 + part.size() + 1;
+    if (!line.empty() && columns > static_cast<std::size_t>(width)) end_line(",");
+    line += (line.empty() ? "" : ", ") + part;
+  }
+  end_line("");
+  return text;
 }
 
 std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests, const Stack& stack) {
   std::vector<BoundModel> bound;
-  for (const ModelRequest& request : requests) bound.push_back(model_for(request, stack));
-  if (!requests.empty()) return bound;
-  for (const ModelInfo& info : models()) {
-    if (!info.applies_to) continue;
-    auto parameters = info.applies_to(stack);
-    if (!parameters) continue;
-    fill_defaults(info.parameters, *parameters);
-    BoundModel b;
-    b.info = &info;
-    b.model = info.make(*parameters, &stack);
-    b.parameters = std::move(*parameters);
-    bound.push_back(std::move(b));
-  }
+  for (const ModelRequest& request : requests_for(requests, stack))
+    bound.push_back(model_for(request, stack));
   return bound;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,6 +17,9 @@ using KeyValues = std::vector<std::pair<std::string, std::string>>;
 struct ModelRequest {
   std::string name;
   KeyValues values;
+  /// Where values come from that were not given, by key ("stack", "fitted", ...), and why a default
+  /// stands.
+  std::map<std::string, std::string> sources{};
 };
 
 /// Splits "NAME,key=value,..."; a comma inside a value (albedo=0.9,0.5,0.2) stays with it. Throws
@@ -30,17 +34,39 @@ struct BoundModel {
   const ModelInfo* info = nullptr;
   Parameters parameters;
   std::unique_ptr<Model> model;
+  /// Where each parameter's value comes from: "given", "stack", "fitted", "default", or in more
+  /// words.
+  std::map<std::string, std::string> sources{};
 };
 
 /// Builds a model from its name and key=value texts; `stack` serves models that need one. Throws
 /// UsageError that names the key, what was found and what is allowed.
 [[nodiscard]] BoundModel bind_model(const ModelRequest& request, const Stack* stack);
 
+/// The parameters that the request's model has, with those that its own choice of the selector
+/// brings along. Throws UsageError where that choice is not allowed.
+[[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
+                                                       const ModelRequest& request);
+
+/// A value as a request has it: to_text without brackets, quotes and blanks.
+[[nodiscard]] std::string request_value(const ParameterValue& value);
+
+/// The requests, or, if there are none, one for each model that applies to the stack.
+[[nodiscard]] std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests,
+                                                     const Stack& stack);
+
+/// A model for a stack: what the request leaves open comes from the stack, where both have a name
+/// for it (stack_parameters.h). The key `stack` may name that stack once more.
+[[nodiscard]] BoundModel model_for(const ModelRequest& request, const Stack& stack);
+
+/// "key = value (source)" of every parameter, in the model's order.
+[[nodiscard]] std::vector<std::string> told_parameters(const BoundModel& model);
+/// The same as lines of at most `width` columns, each after `indent` blanks and ended by '\n'.
+[[nodiscard]] std::string told_parameters(const BoundModel& model, int indent, int width = 100);
+
 /// The models to judge on a stack: those asked for, or else all that apply to it.
 [[nodiscard]] std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests,
                                                  const Stack& stack);
-/// One of them.
-[[nodiscard]] BoundModel model_for(const ModelRequest& request, const Stack& stack);
 
 /// The models' names; where one is there several times, with a number each: for files and columns.
 [[nodiscard]] std::vector<std::string> distinct_names(const std::vector<BoundModel>& models);

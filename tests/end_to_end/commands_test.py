@@ -93,7 +93,7 @@ class EveryCommandDoesWhatItSays(ProgramTest):
     def test_a_model_that_reflects_where_nothing_does_is_beyond_any_error(self):
         self.write("black.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = 0\n'
                                  'thickness = inf\n')
-        self.lamella("compare", "black.toml", *QUICK, "--model", "lambert", "--max-error", "0.5",
+        self.lamella("compare", "black.toml", *QUICK, "--model", "lambert,albedo=1", "--max-error", "0.5",
                      "--wi", "60", status=1)
 
     def test_the_stack_may_come_from_stdin(self):
@@ -167,10 +167,12 @@ class Furnaces(ProgramTest):
         return self.json_of("furnace", *arguments, "--quiet", status=status)["verdict"]
 
     def test_a_white_slab_passes(self):
-        self.assertEqual(self.verdict("spongecake_two_layer", *QUICK), "pass")
+        # Analog walks lose nothing to the last bit; next-event estimates need enough of them.
+        self.assertEqual(self.verdict("spongecake_two_layer", *QUICK, "--estimator", "analog"), "pass")
+        self.assertEqual(self.verdict("spongecake_two_layer", *QUICK), "inconclusive")
 
     def test_absorption_fails_no_furnace_as_it_is(self):
-        self.assertEqual(self.verdict("spongecake_sheen", "--walks", "2e4", "--as-is"), "pass")
+        self.assertEqual(self.verdict("spongecake_sheen", "--walks", "1e6", "--wi", "30", "--as-is"), "pass")
 
     def test_albedo_substrate_and_f0_are_whitened(self):
         for stack in ("spongecake_sheen", "spongecake_copper"):
@@ -201,12 +203,13 @@ class Furnaces(ProgramTest):
                                   'thickness = 1e9\n')
         self.assertEqual(self.verdict("mirror.toml", *QUICK, "--wi", "30"), "inconclusive")
         self.assertEqual(self.verdict("mirror.toml", *QUICK, "--wi", "30", "--estimator",
-                                      "analog", "--max-order", "1000000"), "pass")
+                                      "analog", "--max-order", "1000000", "--thin-from", "0"), "pass")
 
     def test_delta_flakes_have_no_radiance_check(self):
         self.write("delta.toml", '[[layer]]\nmedium = "vmf_flake"\nroughness = 0\n'
                                  'flake = "mirror"\nthickness = 1\n')
-        answer = self.json_of("furnace", "delta.toml", *QUICK, "--wi", "30", "--quiet")
+        answer = self.json_of("furnace", "delta.toml", *QUICK, "--wi", "30", "--quiet", "--estimator",
+                              "analog")
         self.assertEqual(answer["verdict"], "pass")
         self.assertNotIn("radiance", answer["runs"][0])
 

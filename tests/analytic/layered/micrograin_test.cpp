@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "tests/analytic/model/model_checks.h"
@@ -296,6 +297,86 @@ TEST(Micrograin, AnyClosedFormMayLieBelow) {
     const double w = micrograin_weight(wi.z, wo.z, 0.3, 0.5);
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(both->eval_lobe(1, wi, wo)[c], (1 - w) * below->eval(wi, wo)[c], 1e-15) << bulk;
+  }
+}
+
+// Two closed forms with a key of one name, of different ranges, defaults and texts; their value is
+// that key's.
+ModelInfo constant_model(const std::string& name, double most, const std::string& default_value) {
+  class Constant final : public Model {
+   public:
+    explicit Constant(double value) : Model(1), value_(value) {}
+    [[nodiscard]] Rgb eval_lobe(int /*lobe*/, Direction /*wi*/, Direction /*wo*/) const override {
+      return Rgb(value_);
+    }
+
+   private:
+    double value_;
+  };
+  return {.name = name,
+          .doc = "",
+          .source = "",
+          .parameters = {{.name = "roughness",
+                          .unit = "1",
+                          .doc = "of " + name,
+                          .default_value = default_value,
+                          .min = 0,
+                          .max = most}},
+          .lobes = {{"all", ""}},
+          .make = [](const Parameters& p, const Stack*) {
+            return std::make_unique<Constant>(p.number("roughness"));
+          }};
+}
+
+TEST(Micrograin, KeysOfTheBulkAreItsOwn) {
+  const ModelInfo info =
+      micrograin_model({constant_model("first", 1, "0.5"), constant_model("second", 2, "1.5")});
+  EXPECT_EQ(find(info.parameters, "bulk")->choices, (std::vector<std::string>{"first", "second"}));
+  EXPECT_EQ(find(info.parameters, "bulk_roughness"), nullptr);
+  const Direction up{0, 0, 1};
+  for (const auto& [bulk, most, value] : {std::tuple("first", 1.0, 0.5), {"second", 2.0, 1.5}}) {
+    Parameters p;
+    p.set("bulk", std::string(bulk));
+    const std::vector<ParameterInfo> infos = parameters_of(info, p);
+    const ParameterInfo& key = *find(infos, "bulk_roughness");
+    EXPECT_EQ(key.max, most);
+    EXPECT_EQ(key.default_value, to_text(value));
+    EXPECT_EQ(key.doc, std::string("of the surface below: of ") + bulk);
+    p.set("tau0", 0.0);
+    Parameters given = p;
+    fill_defaults(infos, p);
+    EXPECT_DOUBLE_EQ(info.make(p, nullptr)->eval(up, up).r, value);
+    // Without the bulk's keys it has its own defaults; what it does not allow is refused by name.
+    fill_defaults(info.parameters, given);
+    EXPECT_DOUBLE_EQ(info.make(given, nullptr)->eval(up, up).r, value);
+    given.set("bulk_roughness", 1.75);
+    if (most > 1.75) {
+      EXPECT_DOUBLE_EQ(info.make(given, nullptr)->eval(up, up).r, 1.75);
+      continue;
+    }
+    try {
+      (void)info.make(given, nullptr);
+      FAIL() << "1.75 was taken";
+    } catch (const ParameterError& error) {
+      EXPECT_EQ(error.key, "bulk_roughness");
+    }
+  }
+}
+
+TEST(Micrograin, OffersTheParametersOfEveryBulkAsThatModelHasThem) {
+  const ModelInfo& info = *find_model("micrograin");
+  const std::vector<std::string>& bulks = find(info.parameters, "bulk")->choices;
+  EXPECT_EQ(std::count(bulks.begin(), bulks.end(), "micrograin"), 0);
+  EXPECT_EQ(std::count(bulks.begin(), bulks.end(), "spongecake"), 0);
+  for (const std::string& bulk : bulks) {
+    const std::vector<ParameterInfo> infos = parameters_of(info, bulk);
+    for (const ParameterInfo& own : find_model(bulk)->parameters) {
+      const ParameterInfo* key = find(infos, "bulk_" + own.name);
+      ASSERT_NE(key, nullptr) << bulk << ' ' << own.name;
+      EXPECT_EQ(allowed_values(*key), allowed_values(own)) << bulk << ' ' << own.name;
+      // The albedo is 0 by default: grains alone.
+      EXPECT_EQ(key->default_value, own.name == "albedo" ? "0" : own.default_value) << bulk;
+    }
   }
 }
 

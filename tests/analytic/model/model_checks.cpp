@@ -14,8 +14,11 @@ std::unique_ptr<Model> make_model(
   const ModelInfo* info = find_model(name);
   if (!info) throw std::out_of_range("no model " + name);
   Parameters p;
-  for (const auto& [key, value] : values) p.set(key, checked(*find(info->parameters, key), value));
-  fill_defaults(info->parameters, p);
+  for (const auto& [key, value] : values)
+    if (key == info->selector) p.set(key, value);
+  const std::vector<ParameterInfo> infos = parameters_of(*info, p);
+  for (const auto& [key, value] : values) p.set(key, checked(*find(infos, key), value));
+  fill_defaults(infos, p);
   return info->make(p, nullptr);
 }
 

@@ -14,15 +14,24 @@ const sideText = {reflect: "reflected", transmit: "transmitted"};
 const ledgerSide = {reflect: "reflected", transmit: "transmitted"};
 const marks = {agrees: "✓", differs: "✗", insufficient: "?"};
 
-export function verdictText(lobe) {
-  if (lobe.verdict !== "differs") return `${marks[lobe.verdict]} ${lobe.verdict}`;
+const isCut = (lobe) => (lobe.energy_missing ?? []).some((e) => e > 0);
+
+// The relative RMSE without noise, as a range where walks were cut; nothing where there is no truth to be relative to.
+function rmseText(lobe) {
   const by = lobe.relative_rmse_without_noise;
-  return typeof by === "number" && by > 0 ? `✗ differs by ${percent(by)}` : "✗ differs";
+  if (typeof by !== "number") return "";
+  if (!isCut(lobe)) return by > 0 ? percent(by) : "";
+  const [least, most] = lobe.relative_rmse_range.map(percent);
+  return least === most ? least : `${least.replace(" %", "")}–${most}`;
 }
 
-const shortVerdict = (lobe) => lobe.verdict === "differs" && typeof lobe.relative_rmse_without_noise === "number" &&
-  lobe.relative_rmse_without_noise > 0 ? `✗ ${percent(lobe.relative_rmse_without_noise)}` :
-  lobe.verdict === "differs" ? "✗ differs" : lobe.verdict === "agrees" ? "✓" : "? noise";
+export function verdictText(lobe) {
+  if (lobe.verdict !== "differs") return `${marks[lobe.verdict]} ${lobe.verdict}`;
+  return rmseText(lobe) ? `✗ differs by ${rmseText(lobe)}` : "✗ differs";
+}
+
+const shortVerdict = (lobe) => lobe.verdict === "agrees" ? "✓" : lobe.verdict === "insufficient" ? isCut(lobe) ? "? cut" : "? noise" :
+  rmseText(lobe) ? `✗ ${rmseText(lobe)}` : "✗ differs";
 
 export function compare(page, answer, details) {
   const {grid, channels, runs} = details;
@@ -36,6 +45,7 @@ export function compare(page, answer, details) {
   const bound = answer.estimator === "deterministic";
   const errorName = bound ? "error bound" : "standard error", bandText = bound ? "± error bound" : "± 2 standard errors";
   const bandWidth = bound ? 1 : 2;
+  const cut = answer.models.some((m) => m.lobes.some(isCut));
 
   function sameRun(lobe, run) {
     return Math.abs(lobe.mu_i - run.mu_i) < 1e-12 && Math.abs(lobe.phi_i - run.phi_i) < 1e-9;
@@ -124,8 +134,9 @@ export function compare(page, answer, details) {
       element("section", {}, element("h2", {}, "Stack"), drawing),
       element("section", {}, element("h2", {}, "Verdicts"),
         element("p", {class: "quiet"}, bound
-          ? "✓ agrees with the truth within its bound; ✗ differs, by the relative RMSE; ? the bound is too wide to tell. Choose a cell to look at that lobe."
-          : "✓ agrees with the truth within its noise; ✗ differs, by the relative RMSE without the noise; ? too noisy to tell. Choose a cell to look at that lobe."), matrices)),
+          ? `✓ agrees: no difference beyond the truth's bound, which could hide none above ${percent(answer.agrees_within)}; ✗ differs, by the relative RMSE; ? the bound is too wide to tell. Choose a cell to look at that lobe.`
+          : `✓ agrees: no difference beyond the noise, which could hide none above ${percent(answer.agrees_within)}; ✗ differs, by the relative RMSE without the noise; ? too noisy to tell. Choose a cell to look at that lobe.`),
+        cut ? element("p", {class: "quiet", id: "cut"}, "Walks were cut: the truth's energies may be too low by what stands under “Missing”, all lobes together, and a cell's f by that over its projected solid angle. Verdicts hold wherever that light belongs: ✗ with a range of the relative RMSE, “? cut” where it decides.") : null, matrices)),
     element("h2", {}, "Lobes"), controls,
     element("div", {class: "halves"}, polarFigure, planeFigure),
     element("h2", {}, "Hemisphere"),
@@ -280,8 +291,8 @@ export function compare(page, answer, details) {
   }
 
   function showMatrices() {
-    const told = (m) => Object.entries(details.parameters?.[m] ?? answer.models[m].parameters)
-      .map(([k, v]) => `${k} = ${Array.isArray(v) ? v.join(", ") : short(v, 4)}`);
+    // "key = value (where it comes from)"
+    const told = (m) => details.parameters[m];
     const rowsOf = (model, m) => {
       const rows = [];
       for (const side of ["reflect", "transmit"]) for (const order of orders) {
@@ -312,7 +323,7 @@ export function compare(page, answer, details) {
   }
 
   function showTable() {
-    const head = ["Model", "θ_i", "Side", "Order", "z verdict", `Energy, truth${channelText()}`, "±", `Energy, model${channelText()}`, "Rel. RMSE",
+    const head = ["Model", "θ_i", "Side", "Order", "z verdict", `Energy, truth${channelText()}`, "±", ...(cut ? ["Missing"] : []), `Energy, model${channelText()}`, "Rel. RMSE",
       "Without noise", "Maximum", "p", "ns / eval"];
     const text = new Set([0, 2, 3, 4]);
     const rows = answer.models.flatMap((model, m) => model.lobes.map((l, k) => {
@@ -325,6 +336,7 @@ export function compare(page, answer, details) {
         element("td", {class: "text"}, element("span", {class: `mark ${l.verdict}`}, verdictText(l))),
         number("energy_truth", ofChannel(l.energy_truth), ofChannel(l.energy_truth).toFixed(5)),
         number("energy_standard_error", ofChannel(l.energy_standard_error), short(ofChannel(l.energy_standard_error), 2)),
+        cut ? number("energy_missing", ofChannel(l.energy_missing), isCut(l) ? `≤ ${short(ofChannel(l.energy_missing), 2)}` : "none") : null,
         number("energy_model", ofChannel(l.energy_model), ofChannel(l.energy_model).toFixed(5)),
         number("relative_rmse", l.relative_rmse, percent(l.relative_rmse)),
         number("relative_rmse_without_noise", l.relative_rmse_without_noise, percent(l.relative_rmse_without_noise)),
@@ -355,8 +367,9 @@ export function compare(page, answer, details) {
 // Explicit geometry against the media that stand for it, and those against their closed forms.
 function sideBySide(rows, channels) {
   if (!rows?.length) return [];
-  const head = ["θ_i", "Order", "Medium", "Energy, geometry", "Energy, medium", "Medium off by", "Closed form", "Energy, model", "off the medium by", "off the geometry by"];
-  return [element("h2", {}, "Geometry, medium, closed form"), channels === 1 ? "" : element("p", {class: "quiet"}, `Energies: ${luminanceName}.`), scrolling("Geometry, medium, closed form", element("table", {}, element("thead", {}, element("tr", {},
+  const head = ["θ_i", "Order", "Medium", "Energy, geometry", "Energy, medium", "Medium off the geometry by", "Closed form", "Energy, model", "off the medium by", "off the geometry by"];
+  return [element("h2", {}, "Geometry, medium, closed form"), channels === 1 ? "" : element("p", {class: "quiet"}, `Energies: ${luminanceName}.`),
+    element("p", {class: "quiet"}, "“Off A by” is the relative RMSE of the cells without noise, over the root mean square of A: the same as “Without noise” below, where A is the truth."), scrolling("Geometry, medium, closed form", element("table", {}, element("thead", {}, element("tr", {},
     head.map((h) => element("th", {scope: "col"}, h)))), element("tbody", {}, rows.map((r) => element("tr", {}, [degrees(thetaOf(r.mu_i)), r.order, breakable(r.medium),
       r.energy_geometry.toFixed(5), r.energy_medium.toFixed(5), percent(r.relative_rmse_of_medium), breakable(r.model ?? "–"), r.model ? r.energy_model.toFixed(5) : "–",
       percent(r.relative_rmse_of_model), percent(r.relative_rmse_of_both)].map((t) => element("td", {}, t)))))))];

@@ -6,6 +6,7 @@ import {heading} from "./heading.js";
 import {stackDrawing} from "./stack.js";
 
 const marks = {pass: "✓ pass", fail: "✗ fail", inconclusive: "? inconclusive"};
+const fate = {loss: "loss", gain: "gain", both: "loss and gain"};
 const symbols = {pass: "circle", fail: "rect", inconclusive: "diamond"};
 export const verdictMark = (v) => element("span", {class: `mark ${v}`}, marks[v]);
 
@@ -30,7 +31,8 @@ export function furnace(page, answer, details) {
         answer.interrupted ? "interrupted: what was done until then" : ""]),
     element("p", {class: "overall"}, verdictMark(answer.verdict), " ", answer.verdict === "pass"
       ? "No energy is lost or made." : answer.verdict === "fail" ? "Energy is lost or made, beyond the noise."
-      : "What was cut off, or the noise, is more than the furnace may miss."));
+      : "What was cut off, or the noise, is more than the furnace may miss."),
+    element("p", {class: "quiet"}, answer.criterion));
   if (names.length > 1) page.append(controls);
   page.append(element("div", {class: hasStack ? "columns" : null},
       hasStack ? element("section", {}, element("h2", {}, "Stack"), drawing) : null,
@@ -87,12 +89,12 @@ export function furnace(page, answer, details) {
       element("tbody", {}, series.flatMap((s, m) => s.runs.map((r, k) => element("tr", {"data-model": m, "data-run": k},
         models ? element("td", {class: "text name"}, breakable(s.name)) : null,
         number("mu_i", r.mu_i, 0), number("energy", r.energy[c], 6),
-        models ? element("td", {}, short(r.energy[c] - 1, 2)) : [number("energy_standard_error", r.energy_standard_error[c]),
+        models ? element("td", {}, `${short(r.energy[c] - 1, 2)}${r.energy_error[c] > 1e-9 ? ` ± ${short(r.energy_error[c], 2)}` : ""}`) : [number("energy_standard_error", r.energy_standard_error[c]),
           ...listed.map((name) => number(name, name === "reflected" || name === "transmitted" ? r[name].total[c] : r[name][c], 6)),
           element("td", {}, r.walks.toLocaleString("en")),
           ...(radiance ? [element("td", {}, r.radiance ? `${r.radiance.measured.toFixed(4)} ± ${short(r.radiance.standard_error, 1)}` : "–"),
             element("td", {}, r.radiance ? `${r.radiance.predicted.toFixed(4)} ± ${short(r.radiance.predicted_standard_error, 1)}` : "–")] : [])],
-        element("td", {class: "text"}, verdictMark(r.verdict)))))))));
+        element("td", {class: "text"}, verdictMark(r.verdict), r.loss_or_gain === "none" ? "" : `: ${fate[r.loss_or_gain]}`))))))));
     for (const cell of table.querySelectorAll("[data-field=mu_i]")) cell.textContent = degrees(thetaOf(Number(cell.dataset.value)));
   }
   if (names.length > 1) controls.append(choice("channel", "Channel", names.map((n) => ({value: n, label: n})), state.channel,
