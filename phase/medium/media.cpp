@@ -135,6 +135,11 @@ const std::vector<MediumInfo>& media() {
                        .min_open = true,
                        .max_open = true}},
        .make = [](Parameters& p) -> Medium { return HenyeyGreenstein{p.number("g")}; }},
+      {.name = "rayleigh",
+       .doc = "particles much smaller than the wavelength, unpolarised light; sigma = 1",
+       .source = "Lord Rayleigh 1871; Chandrasekhar 1960, Radiative Transfer",
+       .parameters = {},
+       .make = [](Parameters&) -> Medium { return Rayleigh{}; }},
   };
   return list;
 }

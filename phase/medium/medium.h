@@ -5,6 +5,7 @@
 #include "phase/medium/flake.h"
 #include "phase/medium/henyey_greenstein.h"
 #include "phase/medium/lambert_sphere.h"
+#include "phase/medium/rayleigh.h"
 #include "phase/medium/sggx.h"
 #include "phase/medium/vmf.h"
 
@@ -13,12 +14,13 @@ namespace lamella {
 /// The closed set of media. A new one is a file pair that meets ScatteringMedium, a name here and
 /// an entry in media() (media.cpp). Two media are equal if they are of one kind with equal numbers.
 using Medium = std::variant<MirrorFlakes<Sggx>, LambertFlakes<Sggx>, MirrorFlakes<Vmf>,
-                            LambertFlakes<Vmf>, LambertSphere, HenyeyGreenstein>;
+                            LambertFlakes<Vmf>, LambertSphere, HenyeyGreenstein, Rayleigh>;
 
 static_assert(NormalDistribution<Sggx> && NormalDistribution<Vmf>);
 static_assert(ScatteringMedium<MirrorFlakes<Sggx>> && ScatteringMedium<LambertFlakes<Sggx>>);
 static_assert(ScatteringMedium<MirrorFlakes<Vmf>> && ScatteringMedium<LambertFlakes<Vmf>>);
 static_assert(ScatteringMedium<LambertSphere> && ScatteringMedium<HenyeyGreenstein>);
+static_assert(ScatteringMedium<Rayleigh>);
 
 /// Projected area per unit of density that faces w.
 [[nodiscard]] double sigma(const Medium& medium, Direction w);

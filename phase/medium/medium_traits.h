@@ -4,11 +4,11 @@
 
 namespace lamella {
 
-/// An answer that has to be given: an aggregate with such a member does not compile without it.
+/// A number that has to be given: an aggregate with such a member does not compile without it.
 template <class T>
-struct Answer {
+struct Required {
   T value;
-  Answer(T given) : value(given) {}  // NOLINT: conversion is what it is for
+  Required(T given) : value(given) {}  // NOLINT: conversion is what it is for
   operator T() const { return value; }
 };
 
@@ -24,17 +24,17 @@ enum class PhaseShape {
 /// (ScatteringMedium requires `traits()`); there are no defaults.
 struct MediumTraits {
   /// Whether sigma(w_i) p(w_i -> w_o) is the same at (-w_i, -w_o): particles, two-sided flakes.
-  Answer<bool> two_sided;
+  Required<bool> two_sided;
   /// Whether every rotation about z leaves the medium as it is.
-  Answer<bool> symmetric_about_z;
+  Required<bool> symmetric_about_z;
   /// Whether there is an axis that an orientation grid can turn. Particles have none.
-  Answer<bool> has_axis;
+  Required<bool> has_axis;
   /// The integral of m D(m) dm: zero for two-sided media and particles.
-  Answer<Direction> mean_normal;
-  Answer<PhaseShape> shape;
+  Required<Direction> mean_normal;
+  Required<PhaseShape> shape;
   /// Mean cosine of the deflection where the phase function has a peak, forward (> 0) or backward
   /// (< 0), that nodes and long walks must be fitted to; 0 where it has none.
-  Answer<double> mean_cosine;
+  Required<double> mean_cosine;
 };
 
 }  // namespace lamella

@@ -40,6 +40,7 @@ std::vector<HardMedium> hard_media() {
                                          {1e12, 1, 1e-12, 0, 0, 0}})
     list.push_back({"near-singular matrix", MirrorFlakes<Sggx>{Sggx(s)}});
   list.push_back({"lambert sphere", LambertSphere{}});
+  list.push_back({"rayleigh", Rayleigh{}});
   for (const double g : {-0.999999, 0.0, 1e-300, 0.999999})
     list.push_back({fmt::format("henyey-greenstein {}", g), HenyeyGreenstein{g}});
   return list;

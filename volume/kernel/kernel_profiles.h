@@ -53,6 +53,13 @@ namespace lamella {
       true};
 }
 
+[[nodiscard]] inline auto kernel_profile(const Rayleigh&) {
+  return Profile{
+      [](double hxy2, double hz) { return rayleigh_phase(1 - (hxy2 + hz * hz) / 2); },
+      [](double mu_i, double mu_o, double gap) { return gap + (mu_i + mu_o) * (mu_i + mu_o); },
+      true};
+}
+
 [[nodiscard]] inline auto kernel_profile(const HenyeyGreenstein& m) {
   const double g = m.g, size = std::abs(g);
   const double width = size > 0 ? (1 - size) * (1 - size) / size : 1e3;

@@ -11,6 +11,7 @@ inline constexpr int kMostLaneLayers = 16;
 enum class LaneMediumKind {
   lambert_sphere,
   henyey_greenstein,
+  rayleigh,
   sggx_mirror,
   sggx_lambert,
   vmf_mirror,

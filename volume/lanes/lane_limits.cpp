@@ -28,6 +28,7 @@ std::optional<std::string> why_not_medium(const M&, double) {
   return "lanes have no kernel for this medium";
 }
 std::optional<std::string> why_not_medium(const LambertSphere&, double) { return std::nullopt; }
+std::optional<std::string> why_not_medium(const Rayleigh&, double) { return std::nullopt; }
 std::optional<std::string> why_not_medium(const HenyeyGreenstein& m, double) {
   if (std::abs(m.g) > kNarrowestHg) return "so narrow a forward peak asks for double";
   return std::nullopt;

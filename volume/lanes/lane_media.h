@@ -13,6 +13,7 @@
 
 #include "phase/medium/henyey_greenstein_formulas.h"
 #include "phase/medium/lambert_sphere_formulas.h"
+#include "phase/medium/rayleigh_formulas.h"
 #include "phase/medium/sggx_formulas.h"
 #include "phase/medium/vmf_mixture.h"
 #include "phase/random/block_random.h"
@@ -102,6 +103,22 @@ struct HenyeyGreensteinOnLanes : ParticleOnLanes<Real> {
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return henyey_greenstein_phase(g, -dot(e.wi, wo));
+  }
+};
+
+template <class Real>
+struct RayleighOnLanes : ParticleOnLanes<Real> {
+  static constexpr auto kKind = LaneMediumKind::rayleigh;
+  static constexpr int kWords = 3;
+  template <class Reader>
+  LAMELLA_INLINE explicit RayleighOnLanes(const Reader&) {}
+  LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
+                                          const WordsOf<Real>* words) const {
+    const Real cosine = rayleigh_cosine_signed<Real>(signed_uniform_of(words[1]));
+    return {deflect(e.wi, cosine, azimuth_of(words[2])), Real(1)};
+  }
+  LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
+    return rayleigh_phase(-dot(e.wi, wo));
   }
 };
 

@@ -24,6 +24,8 @@ void walk_lanes(const LaneWalkTask& t) {
       return walk_medium<LambertSphereOnLanes>(t);
     case LaneMediumKind::henyey_greenstein:
       return walk_medium<HenyeyGreensteinOnLanes>(t);
+    case LaneMediumKind::rayleigh:
+      return walk_medium<RayleighOnLanes>(t);
     case LaneMediumKind::sggx_mirror:
       return t.walk.upright ? walk_medium<UprightSggxMirrorOnLanes>(t)
                             : walk_medium<SggxMirrorOnLanes>(t);

@@ -16,6 +16,8 @@ int words_of(LaneMediumKind kind) {
       return LambertSphereOnLanes<double>::kWords;
     case LaneMediumKind::henyey_greenstein:
       return HenyeyGreensteinOnLanes<double>::kWords;
+    case LaneMediumKind::rayleigh:
+      return RayleighOnLanes<double>::kWords;
     case LaneMediumKind::sggx_mirror:
       return SggxMirrorOnLanes<double>::kWords;
     case LaneMediumKind::sggx_lambert:
@@ -62,6 +64,7 @@ class LayerWriter {
     particle(LaneMediumKind::henyey_greenstein);
     set(kG, m.g);
   }
+  void operator()(const Rayleigh&) { particle(LaneMediumKind::rayleigh); }
   void operator()(const MirrorFlakes<Sggx>& m) { sggx(LaneMediumKind::sggx_mirror, m.ndf); }
   void operator()(const LambertFlakes<Sggx>& m) { sggx(LaneMediumKind::sggx_lambert, m.ndf); }
   void operator()(const MirrorFlakes<Vmf>& m) { vmf(LaneMediumKind::vmf_mirror, m.ndf); }

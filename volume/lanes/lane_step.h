@@ -121,6 +121,7 @@ struct AnyMedia {
                     Real(static_cast<int>(LaneMediumKind::substrate)), kind);
     visit_kind<LambertSphereOnLanes<Real>>(layer, kind, f);
     visit_kind<HenyeyGreensteinOnLanes<Real>>(layer, kind, f);
+    visit_kind<RayleighOnLanes<Real>>(layer, kind, f);
     visit_kind<SggxMirrorOnLanes<Real>>(layer, kind, f);
     visit_kind<SggxLambertOnLanes<Real>>(layer, kind, f);
     visit_kind<VmfMirrorOnLanes<Real>>(layer, kind, f);

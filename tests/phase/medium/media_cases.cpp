@@ -62,6 +62,7 @@ std::vector<MediumCase> media_cases() {
   add_vmf(list);
   list.push_back({"lambert flakes all along z", LambertFlakes<Vmf>{Vmf(0, kUp)}, kUp, 1, false});
   list.push_back({"lambert sphere", LambertSphere{}});
+  list.push_back({"rayleigh", Rayleigh{}});
   for (const double g : {-0.9, 0.0, 0.95})
     list.push_back({fmt::format("henyey-greenstein {}", g), HenyeyGreenstein{g}});
   return list;

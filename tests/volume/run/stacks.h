@@ -58,6 +58,7 @@ class OnEveryIsa : public ::testing::TestWithParam<Isa> {
       "medium = 'vmf_flake'\nroughness = 0.5\nflake = 'mirror'",
       "medium = 'vmf_flake'\nroughness = 0.3\naxis = [0.5, 0.2, 1]",
       "medium = 'lambert_sphere'",
+      "medium = 'rayleigh'",
       "medium = 'henyey_greenstein'\ng = 0.6",
       "medium = 'henyey_greenstein'",
   };
