@@ -31,7 +31,7 @@ class GridMarch {
   }
 
   /// The cell that the way is in, and the length of its way there.
-  [[nodiscard]] const DensityGrid::Cell& cell() const { return *cell_; }
+  [[nodiscard]] const MajorantCell& cell() const { return *cell_; }
   [[nodiscard]] double length() const { return length_; }
   /// Any voxel of the cell: what names it.
   [[nodiscard]] VoxelIndex somewhere() const { return voxel_; }
@@ -98,7 +98,7 @@ class GridMarch {
   }
 
   const DensityGrid& grid_;
-  const DensityGrid::Cell* cell_ = nullptr;
+  const MajorantCell* cell_ = nullptr;
   double rate_[3], inverse_[3];  // voxels per mm, mm per voxel
   double place_[3];              // in voxels
   VoxelIndex voxel_, low_{}, high_{};
@@ -123,45 +123,92 @@ struct MajorantError : std::runtime_error {
   MajorantError() : std::runtime_error("a density grid's majorant is below its content") {}
 };
 
-/// Free flight by delta tracking. `remaining` is the exponential number that is left of the flight;
-/// when the way leaves the grid, what it has not spent stays for the layer beyond. M: the kind of
-/// medium; w: where the light comes from, -d.
+/// The tentative collisions of a way through a grid, by delta tracking: each cell's majorant
+/// proposes them, extinction over majorant is the chance of a real one. M: the kind of medium.
+template <class M>
+class TentativeCollisions {
+ public:
+  enum class Next { tentative, left, endless };
+
+  /// From a point of the grid; w: where the light comes from, -d.
+  TentativeCollisions(const DensityGrid& grid, double x, double y, double height, Direction w)
+      : grid_(grid),
+        march_(grid, x, y, height, -w),
+        w_(w),
+        local_(grid.is_local()),
+        sigma_(local_ ? 0 : std::get_if<M>(&grid.palette()[0])->sigma(w)) {
+    enter();
+  }
+
+  /// Goes on to the next tentative collision, or out of the grid. `remaining`: the exponential
+  /// number that is left of the flight; what the way has not spent stays for the layer beyond.
+  [[nodiscard]] Next next(double& remaining) {
+    for (;;) {
+      if (majorant_ > 0) {
+        const double end = march_.length(), to = at_ + remaining / majorant_;
+        if (to < end) {
+          at_ = to;
+          voxel_ = march_.voxel(at_);
+          const double rho = grid_.density(voxel_);
+          extinction_ = grid_.layer_density() * rho *
+                        (local_ && rho > 0 ? grid_.template sigma<M>(voxel_, w_) : sigma_);
+          if (extinction_ > majorant_ * (1 + 1e-9)) throw MajorantError();
+          return Next::tentative;
+        }
+        remaining -= majorant_ * (end - at_);
+        if (!(remaining > 0)) remaining = 1e-300;  // rounding; the next cell decides at once
+      }
+      if (!march_.next()) {
+        at_ = march_.length();
+        return std::isfinite(at_) ? Next::left : Next::endless;
+      }
+      enter();
+      if (++cells_ == kMostCells) return Next::endless;
+    }
+  }
+
+  /// Of the tentative collision: extinction and majorant [1/mm], the voxel.
+  [[nodiscard]] double extinction() const { return extinction_; }
+  [[nodiscard]] double majorant() const { return majorant_; }
+  [[nodiscard]] VoxelIndex voxel() const { return voxel_; }
+  /// Of the way so far [mm].
+  [[nodiscard]] double length() const { return march_.before() + at_; }
+
+ private:
+  void enter() {
+    const MajorantCell& cell = march_.cell();
+    const double area = local_ && cell.density > 0
+                            ? grid_.template sigma_bound<M>(march_.somewhere(), cell, w_)
+                            : sigma_;
+    majorant_ = grid_.layer_density() * cell.density * area;
+    at_ = 0;
+  }
+
+  const DensityGrid& grid_;
+  GridMarch march_;
+  Direction w_;
+  bool local_;
+  double sigma_;  // where the medium does not vary
+  double majorant_ = 0, at_ = 0, extinction_ = 0;
+  VoxelIndex voxel_{};
+  std::uint64_t cells_ = 0;
+};
+
+/// Free flight from a point of the grid. `remaining` is the exponential number that is left of the
+/// flight; when the way leaves the grid, what it has not spent stays for the layer beyond.
 template <class M>
 [[nodiscard]] GridFlight fly(const DensityGrid& grid, double x, double y, double height,
                              Direction w, double& remaining, RandomStream& stream) {
-  GridMarch march(grid, x, y, height, -w);
-  const bool local = grid.is_local();
-  const double sigma = local ? 0 : std::get_if<M>(&grid.palette()[0])->sigma(w);
-  for (std::uint64_t cells = 0; cells < kMostCells; ++cells) {
-    const DensityGrid::Cell& cell = march.cell();
-    const double area =
-        local && cell.density > 0 ? grid.sigma_bound<M>(march.somewhere(), cell, w) : sigma;
-    const double majorant = grid.layer_density() * cell.density * area;
-    if (majorant > 0) {
-      const double end = march.length();
-      double at = 0;
-      for (;;) {
-        const double to = at + remaining / majorant;
-        if (!(to < end)) break;
-        at = to;
-        const VoxelIndex i = march.voxel(at);
-        const double rho = grid.density(i);
-        const double extinction =
-            grid.layer_density() * rho * (local && rho > 0 ? grid.sigma<M>(i, w) : sigma);
-        if (extinction > majorant * (1 + 1e-9)) throw MajorantError();
-        if (extinction >= majorant || stream.uniform() * majorant < extinction)
-          return {Flight::collided, march.before() + at, i};
-        remaining = stream.exponential();
-      }
-      remaining -= majorant * (end - at);
-      if (!(remaining > 0)) remaining = 1e-300;  // rounding; the next cell decides at once
-    }
-    if (!march.next())
-      return {std::isfinite(march.length()) ? Flight::left : Flight::endless,
-              march.before() + march.length(),
-              {}};
+  using Collisions = TentativeCollisions<M>;
+  Collisions way(grid, x, y, height, w);
+  for (;;) {
+    const auto next = way.next(remaining);
+    if (next != Collisions::Next::tentative)
+      return {next == Collisions::Next::left ? Flight::left : Flight::endless, way.length(), {}};
+    if (way.extinction() >= way.majorant() || stream.uniform() * way.majorant() < way.extinction())
+      return {Flight::collided, way.length(), way.voxel()};
+    remaining = stream.exponential();
   }
-  return {Flight::endless, march.before(), {}};
 }
 
 /// An unbiased estimate of the share of light from w that crosses the grid from a point in it to
@@ -172,40 +219,21 @@ template <class M>
 [[nodiscard]] double ratio_tracked(const DensityGrid& grid, double x, double y, double height,
                                    Direction w, RandomStream& stream) {
   constexpr double kLittle = 0.1, kChance = 0.25;
-  GridMarch march(grid, x, y, height, -w);
-  const bool local = grid.is_local();
-  const double sigma = local ? 0 : std::get_if<M>(&grid.palette()[0])->sigma(w);
+  using Collisions = TentativeCollisions<M>;
+  Collisions way(grid, x, y, height, w);
   double share = 1, remaining = stream.exponential(), little = kLittle;
-  for (std::uint64_t cells = 0; cells < kMostCells; ++cells) {
-    const DensityGrid::Cell& cell = march.cell();
-    const double area =
-        local && cell.density > 0 ? grid.sigma_bound<M>(march.somewhere(), cell, w) : sigma;
-    const double majorant = grid.layer_density() * cell.density * area;
-    if (majorant > 0) {
-      const double end = march.length();
-      double at = 0;
-      for (;;) {
-        const double to = at + remaining / majorant;
-        if (!(to < end)) break;
-        at = to;
-        const VoxelIndex i = march.voxel(at);
-        const double rho = grid.density(i);
-        const double extinction =
-            grid.layer_density() * rho * (local && rho > 0 ? grid.sigma<M>(i, w) : sigma);
-        if (extinction > majorant * (1 + 1e-9)) throw MajorantError();
-        share *= 1 - extinction / majorant;
-        if (!(share > 0)) return 0;
-        if (share < little) {
-          if (stream.uniform() >= kChance) return 0;
-          share /= kChance;
-          little *= kLittle;
-        }
-        remaining = stream.exponential();
-      }
-      remaining -= majorant * (end - at);
-      if (!(remaining > 0)) remaining = 1e-300;
+  for (;;) {
+    const auto next = way.next(remaining);
+    if (next == Collisions::Next::left || std::isinf(way.length())) return share;
+    if (next == Collisions::Next::endless) break;
+    share *= 1 - way.extinction() / way.majorant();
+    if (!(share > 0)) return 0;
+    if (share < little) {
+      if (stream.uniform() >= kChance) return 0;
+      share /= kChance;
+      little *= kLittle;
     }
-    if (!march.next()) return share;
+    remaining = stream.exponential();
   }
   throw std::runtime_error(
       "a shadow ray crossed 2^27 cells of a density grid without an end; allowed: directions "

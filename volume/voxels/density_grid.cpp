@@ -57,23 +57,6 @@ std::string description(const Layer& layer) {
 
 bool is_particle(const Layer& layer) { return !traits(layer.medium).has_axis; }
 
-// The smallest cone about the two cones' middles that is easy to find: about their sum.
-DensityGrid::Cone joined(const DensityGrid::Cone& a, DensityGrid::Cone b, bool two_sided) {
-  if (two_sided && a.x * b.x + a.y * b.y + a.z * b.z < 0) b = {-b.x, -b.y, -b.z, b.cosine, b.sine};
-  const Direction sum{double(a.x) + b.x, double(a.y) + b.y, double(a.z) + b.z};
-  if (dot(sum, sum) < 1e-6) return {a.x, a.y, a.z, -1, 0};  // all directions
-  const Direction middle = normalized(sum);
-  double widest = 0;
-  for (const DensityGrid::Cone& c : {a, b}) {
-    const Direction axis = normalized(Direction{c.x, c.y, c.z});
-    const double apart = std::atan2(length(cross(middle, axis)), dot(middle, axis));
-    widest = std::max(widest, apart + std::atan2(c.sine, c.cosine));
-  }
-  widest = std::min(kPi, widest + 1e-6);  // the rounding of float
-  return {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z),
-          static_cast<float>(std::cos(widest)), static_cast<float>(std::sin(widest))};
-}
-
 }  // namespace
 
 DensityGrid::DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxels,
@@ -95,7 +78,10 @@ DensityGrid::DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxel
   }
   make_axes(layer);
   make_palette(layer);
-  make_cells(cells);
+  MajorantTable table = majorant_table(
+      {voxels_->density, axis_, index_, voxel_size_, layer_density_, two_sided_}, cells);
+  cells_ = std::move(table.cells);
+  cones_ = std::move(table.cones);
 }
 
 void DensityGrid::make_axes(const Layer& layer) {
@@ -172,160 +158,15 @@ void DensityGrid::make_palette(const Layer& layer) {
   if (one_sided && has_roughness()) bound_everywhere_ = 1;
 }
 
-void DensityGrid::make_cells(MajorantCells kind) {
-  const VoxelIndex blocks = extent_.blocks(), n = extent_.voxels;
-  cells_.resize(extent_.block_count());
-  if (axis_) cones_.resize(cells_.size());
-  const bool with_cones = axis_.has_value();
-
-  // Bounds of the blocks themselves. Empty voxels bound nothing.
-  std::vector<bool> cone_set(with_cones ? cells_.size() : 0);
-  const auto join = [&](std::size_t into, const Cone& cone) {
-    cones_[into] = cone_set[into] ? joined(cones_[into], cone, two_sided_) : cone;
-    cone_set[into] = true;
-  };
-  VoxelIndex b;
-  for (b[2] = 0; b[2] < blocks[2]; ++b[2])
-    for (b[1] = 0; b[1] < blocks[1]; ++b[1])
-      for (b[0] = 0; b[0] < blocks[0]; ++b[0]) {
-        VoxelIndex lo, hi, i;
-        for (int a = 0; a < 3; ++a) {
-          lo[a] = b[a] * kBlockVoxels;
-          hi[a] = std::min(lo[a] + kBlockVoxels, n[a]);
-        }
-        const std::size_t block = extent_.block_of(lo);
-        Cell& cell = cells_[block];
-        if (voxels_->density.is_uniform(lo) && !is_local()) {
-          cell.density = voxels_->density.at(lo)[0];
-          continue;
-        }
-        Direction sum{0, 0, 0};
-        Direction reference{0, 0, 0};
-        for (i[2] = lo[2]; i[2] < hi[2]; ++i[2])
-          for (i[1] = lo[1]; i[1] < hi[1]; ++i[1])
-            for (i[0] = lo[0]; i[0] < hi[0]; ++i[0]) {
-              const float rho = voxels_->density.at(i)[0];
-              if (!(rho > 0)) continue;
-              cell.density = std::max(cell.density, rho);
-              cell.roughest = std::max(cell.roughest, static_cast<std::uint8_t>(palette_index(i)));
-              if (!with_cones) continue;
-              Direction a = axis(i);
-              if (dot(reference, reference) == 0) reference = a;
-              if (two_sided_ && dot(a, reference) < 0) a = -a;
-              sum = sum + a;
-            }
-        if (!with_cones || !(cell.density > 0)) continue;
-        Cone cone{0, 0, 1, -1, 0};
-        if (dot(sum, sum) > 1e-6) {
-          const Direction middle = normalized(sum);
-          double widest = 0;
-          for (i[2] = lo[2]; i[2] < hi[2]; ++i[2])
-            for (i[1] = lo[1]; i[1] < hi[1]; ++i[1])
-              for (i[0] = lo[0]; i[0] < hi[0]; ++i[0]) {
-                if (!(density(i) > 0)) continue;
-                const Direction a = axis(i);
-                double c = dot(a, middle);
-                if (two_sided_) c = std::abs(c);
-                widest = std::max(widest, std::atan2(length(cross(a, middle)), c));
-              }
-          widest = std::min(kPi, widest + 1e-6);
-          cone = {static_cast<float>(middle.x), static_cast<float>(middle.y),
-                  static_cast<float>(middle.z), static_cast<float>(std::cos(widest)),
-                  static_cast<float>(std::sin(widest))};
-        }
-        join(block, cone);
-      }
-  if (kind == MajorantCells::blocks) return;
-
-  // Merged from below: a cell of level k is taken whole if crossing it then costs no more than
-  // crossing its parts. Per mm of a way, a cell costs its boundaries, 1.5 per edge for a cube, and
-  // its tentative collisions.
-  constexpr double kStep =
-      0.4;  // of a boundary, in tentative collisions: a guess that only speed knows
-  int top = 0;
-  while ((1 << top) < std::max({blocks[0], blocks[1], blocks[2]})) ++top;
-  const double edge[3] = {voxel_size_.x, voxel_size_.y, voxel_size_.z};
-  std::vector<double> cost(cells_.size());  // of the best cut of the cell whose first block it is
-  for (int level = 0; level <= top; ++level) {
-    const int size = 1 << level;
-    for (b[2] = 0; b[2] < blocks[2]; b[2] += size)
-      for (b[1] = 0; b[1] < blocks[1]; b[1] += size)
-        for (b[0] = 0; b[0] < blocks[0]; b[0] += size) {
-          VoxelIndex end, i;
-          double volume = 1, boundaries = 0;
-          VoxelIndex first;
-          for (int a = 0; a < 3; ++a) {
-            end[a] = std::min(b[a] + size, blocks[a]);
-            first[a] = b[a] * kBlockVoxels;
-            const double l = edge[a] * (std::min(end[a] * kBlockVoxels, n[a]) - first[a]);
-            volume *= l;
-            // A cell as wide as the tile has no sides.
-            if (a == 2 || b[a] > 0 || end[a] < blocks[a]) boundaries += 0.5 / l;
-          }
-          const std::size_t home = extent_.block_of(first);
-          Cell whole{0, static_cast<std::uint8_t>(level), 0};
-          double parts = 0;
-          const int half = std::max(1, size / 2);
-          const auto block_at = [&](VoxelIndex k) {
-            return extent_.block_of(
-                {k[0] * kBlockVoxels, k[1] * kBlockVoxels, k[2] * kBlockVoxels});
-          };
-          for (i[2] = b[2]; i[2] < end[2]; i[2] += half)
-            for (i[1] = b[1]; i[1] < end[1]; i[1] += half)
-              for (i[0] = b[0]; i[0] < end[0]; i[0] += half) parts += cost[block_at(i)];
-          for (i[2] = b[2]; i[2] < end[2]; ++i[2])
-            for (i[1] = b[1]; i[1] < end[1]; ++i[1])
-              for (i[0] = b[0]; i[0] < end[0]; ++i[0]) {
-                const Cell& c = cells_[block_at(i)];
-                whole.density = std::max(whole.density, c.density);
-                whole.roughest = std::max(whole.roughest, c.roughest);
-              }
-          const double own = volume * (kStep * boundaries + layer_density_ * whole.density);
-          if (level == 0) {
-            cost[home] = own;
-            continue;
-          }
-          const bool merge = kind == MajorantCells::global ? level == top : own <= parts;
-          cost[home] = merge ? own : parts;
-          if (!merge) continue;
-          Cone cone;
-          bool any = false;
-          if (with_cones)
-            for (i[2] = b[2]; i[2] < end[2]; ++i[2])
-              for (i[1] = b[1]; i[1] < end[1]; ++i[1])
-                for (i[0] = b[0]; i[0] < end[0]; ++i[0]) {
-                  const std::size_t k = block_at(i);
-                  if (!cone_set[k]) continue;
-                  cone = any ? joined(cone, cones_[k], two_sided_) : cones_[k];
-                  any = true;
-                }
-          for (i[2] = b[2]; i[2] < end[2]; ++i[2])
-            for (i[1] = b[1]; i[1] < end[1]; ++i[1])
-              for (i[0] = b[0]; i[0] < end[0]; ++i[0]) {
-                const std::size_t k = block_at(i);
-                cells_[k] = whole;
-                if (with_cones) {
-                  cones_[k] = cone;
-                  cone_set[k] = any;
-                }
-              }
-        }
-  }
-}
-
 DensityGrid::CellCount DensityGrid::count_cells() const {
   CellCount count;
-  const VoxelIndex blocks = extent_.blocks();
-  VoxelIndex b;
-  for (b[2] = 0; b[2] < blocks[2]; ++b[2])
-    for (b[1] = 0; b[1] < blocks[1]; ++b[1])
-      for (b[0] = 0; b[0] < blocks[0]; ++b[0]) {
-        const Cell& c = cell({b[0] * kBlockVoxels, b[1] * kBlockVoxels, b[2] * kBlockVoxels});
-        const int mask = (1 << c.level) - 1;
-        ++count.blocks;
-        count.empty_blocks += c.density == 0;
-        count.cells += ((b[0] | b[1] | b[2]) & mask) == 0;
-      }
+  for_each_in_box({}, extent_.blocks(), 1, [&](VoxelIndex b) {
+    const MajorantCell& c = cell({b[0] * kBlockVoxels, b[1] * kBlockVoxels, b[2] * kBlockVoxels});
+    const int mask = (1 << c.level) - 1;
+    ++count.blocks;
+    count.empty_blocks += c.density == 0;
+    count.cells += ((b[0] | b[1] | b[2]) & mask) == 0;
+  });
   return count;
 }
 

@@ -7,33 +7,16 @@
 #include <vector>
 
 #include "phase/stack/stack.h"
+#include "volume/voxels/majorant_cells.h"
 #include "volume/voxels/voxels.h"
 
 namespace lamella {
-
-/// How the space of a grid is cut into cells of one majorant each.
-enum class MajorantCells {
-  adaptive,  ///< blocks, merged in powers of two where that saves time
-  blocks,    ///< every block for itself
-  global     ///< one cell for all: the textbook's delta tracking
-};
 
 /// A layer's density grid, ready for walks: voxels, the media they hold, and upper bounds of what
 /// the light meets. Position in voxels: x, y in [0, n), periodic; z in [0, n), upwards. What a
 /// light that arrives from w meets in voxel i is layer density * density(i) * sigma_i(w) [1/mm].
 class DensityGrid {
  public:
-  /// A cell of one majorant: the blocks of 2^level along each axis that are aligned with it.
-  struct Cell {
-    float density = 0;          ///< largest of its voxels
-    std::uint8_t level = 0;     ///< the same for all blocks of the cell
-    std::uint8_t roughest = 0;  ///< largest palette index of its voxels
-  };
-  /// Axes of a cell's flakes: a cone of directions (for two-sided media of lines).
-  struct Cone {
-    float x = 0, y = 0, z = 1, cosine = 1, sine = 0;
-  };
-
   /// The layer must have a grid reference. Throws std::invalid_argument, file and key named, if the
   /// medium cannot take what the voxels vary (an orientation without an axis, ...).
   DensityGrid(const Layer& layer, std::shared_ptr<const Voxels> voxels,
@@ -75,7 +58,7 @@ class DensityGrid {
   }
   [[nodiscard]] std::array<float, 3> albedo(VoxelIndex i) const { return voxels_->albedo->at(i); }
 
-  [[nodiscard]] const Cell& cell(VoxelIndex i) const { return cells_[extent_.block_of(i)]; }
+  [[nodiscard]] const MajorantCell& cell(VoxelIndex i) const { return cells_[extent_.block_of(i)]; }
 
   /// sigma_i(w). M: the kind of the palette's media.
   template <class M>
@@ -88,11 +71,11 @@ class DensityGrid {
   /// the medium does not vary. Fibers along one yarn bound each other closely, crossing ones do
   /// not.
   template <class M>
-  [[nodiscard]] double sigma_bound(VoxelIndex i, const Cell& cell, Direction w) const {
+  [[nodiscard]] double sigma_bound(VoxelIndex i, const MajorantCell& cell, Direction w) const {
     if (bound_everywhere_ > 0) return bound_everywhere_;
     const M& medium = *std::get_if<M>(&palette_[cell.roughest]);
     if (!axis_) return medium.sigma(w);
-    const Cone& cone = cones_[extent_.block_of(i)];
+    const AxisCone& cone = cones_[extent_.block_of(i)];
     const double c = cone.x * w.x + cone.y * w.y + cone.z * w.z;
     return sigma_of_cosine(medium, extreme_cosine(c, cone)) * (1 + 1e-6);
   }
@@ -106,7 +89,6 @@ class DensityGrid {
  private:
   void make_palette(const Layer& layer);
   void make_axes(const Layer& layer);
-  void make_cells(MajorantCells kind);
 
   // sigma of a medium whose axis makes this cosine with w.
   template <class M>
@@ -116,7 +98,7 @@ class DensityGrid {
   }
 
   // The cosine between w and an axis of the cone at which sigma is largest; c: with its middle.
-  [[nodiscard]] double extreme_cosine(double c, const Cone& cone) const {
+  [[nodiscard]] double extreme_cosine(double c, const AxisCone& cone) const {
     if (two_sided_) c = std::fabs(c);
     c = std::fmin(1, std::fmax(-1, c));
     const double s = std::sqrt((1 - c) * (1 + c));
@@ -140,8 +122,8 @@ class DensityGrid {
   bool albedo_ = false, grey_ = true;
   bool two_sided_ = true, largest_along_axis_ = true;
   double bound_everywhere_ = 0;  // a bound of sigma for every direction, if it is the best there is
-  std::vector<Cell> cells_;      // per block
-  std::vector<Cone> cones_;
+  std::vector<MajorantCell> cells_;  // per block
+  std::vector<AxisCone> cones_;
 };
 
 /// The grids of a stack, one per layer, nullptr where there is none: read from their files or

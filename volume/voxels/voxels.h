@@ -163,13 +163,20 @@ struct Voxels {
   [[nodiscard]] const VoxelExtent& extent() const { return density.extent(); }
 };
 
+/// Calls f(index) for every index of the box [from, to) that lies a multiple of `step` from its
+/// first corner, x fastest.
+template <class F>
+void for_each_in_box(VoxelIndex from, VoxelIndex to, int step, const F& f) {
+  VoxelIndex i;
+  for (i[2] = from[2]; i[2] < to[2]; i[2] += step)
+    for (i[1] = from[1]; i[1] < to[1]; i[1] += step)
+      for (i[0] = from[0]; i[0] < to[0]; i[0] += step) f(i);
+}
+
 /// Calls f(index) for every voxel, x fastest.
 template <class F>
 void for_each_voxel(const VoxelExtent& extent, const F& f) {
-  VoxelIndex i;
-  for (i[2] = 0; i[2] < extent.voxels[2]; ++i[2])
-    for (i[1] = 0; i[1] < extent.voxels[1]; ++i[1])
-      for (i[0] = 0; i[0] < extent.voxels[0]; ++i[0]) f(i);
+  for_each_in_box({}, extent.voxels, 1, f);
 }
 
 /// Calls f(index, value) for every voxel, but for a uniform block once, with its first voxel.

@@ -69,7 +69,7 @@ void check_bounds(const DensityGrid& grid, const std::string& what) {
     const Direction w = any_direction(k);
     for_each_voxel(grid.extent(), [&](VoxelIndex i) {
       if (!(grid.density(i) > 0)) return;
-      const DensityGrid::Cell& cell = grid.cell(i);
+      const MajorantCell& cell = grid.cell(i);
       const double content = grid.density(i) * grid.sigma<M>(i, w);
       ASSERT_LE(content, cell.density * grid.sigma_bound<M>(i, cell, w) * (1 + 1e-12))
           << what << ' ' << i[0] << ' ' << i[1] << ' ' << i[2];
