@@ -50,7 +50,7 @@ class Walker {
 
   Walker(const GrainSetting& setting, GrainScores scores, const CellTargets& targets,
          const std::vector<Direction>& points, BatchTally& tally)
-      : s_(setting), scores_(scores), targets_(targets), tally_(tally), directions_(points) {
+      : setting_(setting), scores_(scores), targets_(targets), tally_(tally), directions_(points) {
     if (scores == GrainScores::next_event) directions_.resize(targets.count());
   }
 
@@ -58,8 +58,9 @@ class Walker {
     if (scene_ && number == realisation_) return;
     leave_realisation();
     realisation_ = number;
-    scene_ = std::make_unique<GrainScene>(s_.geometry, place_grains(s_.geometry, s_.seed, number));
-    RandomStream stream(s_.seed, number, StreamPurpose::measure);
+    scene_ = std::make_unique<GrainScene>(setting_.geometry,
+                                          place_grains(setting_.geometry, setting_.seed, number));
+    RandomStream stream(setting_.seed, number, StreamPurpose::measure);
     const double angle = 2 * kPi * stream.uniform();
     cosine_ = std::cos(angle);
     sine_ = std::sin(angle);
@@ -87,7 +88,7 @@ class Walker {
   /// The event at a grain; false if the walk ends there.
   [[nodiscard]] bool scatter(const GrainHit& hit, RandomStream& stream);
 
-  const GrainSetting& s_;
+  const GrainSetting& setting_;
   GrainScores scores_;
   const CellTargets& targets_;
   BatchTally& tally_;
@@ -108,7 +109,7 @@ template <int C>
 void Walker<C>::begin_targets(std::uint64_t index) {
   if (scores_ != GrainScores::next_event) return;
   // The same place within every cell, as in the walk through layers.
-  RandomStream stream(s_.seed, index, StreamPurpose::targets);
+  RandomStream stream(setting_.seed, index, StreamPurpose::targets);
   const double u_mu = stream.uniform(), u_phi = stream.uniform();
   const CellGrid& grid = targets_.grid;
   for (int k = 0; k < targets_.count(); ++k) {
@@ -129,7 +130,7 @@ void Walker<C>::score(Direction point, const Sent& sent) {
   double* sums = tally_.f.data() + order_slot(order_) * C * count;
   for (std::size_t k = 0; k < count; ++k) {
     const Direction wo = turned(directions_[k], cosine_, sine_);
-    if (wo.z < 0 && s_.has_substrate) continue;
+    if (wo.z < 0 && setting_.has_substrate) continue;
     const Weights f = sent(wo);
     const double largest = *std::max_element(f.begin(), f.end());
     if (largest <= 0 || !scene_->is_free(point, wo)) continue;
@@ -157,25 +158,26 @@ void Walker<C>::leave(Direction wo, bool after_mirror) {
 
 template <int C>
 bool Walker<C>::scatter(const GrainHit& hit, RandomStream& stream) {
-  const GrainSurface surface = s_.geometry.surface;
+  const GrainSurface surface = setting_.geometry.surface;
   const double cosine = std::clamp(dot(wi_, hit.normal), 0.0, 1.0);
   Weights kept;
   after_mirror_ = false;
   DiffuseEvent event{hit.point, hit.normal};
   if (surface == GrainSurface::mirror || surface == GrainSurface::conductor) {
     const double grazing = schlick_weight(cosine);
-    for (int c = 0; c < C; ++c) kept[c] = s_.albedo[c] * (s_.f0[c] + (1 - s_.f0[c]) * grazing);
+    for (int c = 0; c < C; ++c)
+      kept[c] = setting_.albedo[c] * (setting_.f0[c] + (1 - setting_.f0[c]) * grazing);
     after_mirror_ = true;
   } else if (surface == GrainSurface::dielectric) {
-    event.ior = s_.geometry.ior;
-    event.entering = s_.entering;
+    event.ior = setting_.geometry.ior;
+    event.entering = setting_.entering;
     const double reflected = fresnel_reflectance(cosine, event.ior);
-    for (int c = 0; c < C; ++c) kept[c] = (1 - reflected) * s_.inner[c];
+    for (int c = 0; c < C; ++c) kept[c] = (1 - reflected) * setting_.inner[c];
     score(event, kept);
     after_mirror_ = stream.uniform() < reflected;
-    for (int c = 0; c < C; ++c) kept[c] = after_mirror_ ? 1 : s_.inner[c];
+    for (int c = 0; c < C; ++c) kept[c] = after_mirror_ ? 1 : setting_.inner[c];
   } else {
-    for (int c = 0; c < C; ++c) kept[c] = s_.albedo[c];
+    for (int c = 0; c < C; ++c) kept[c] = setting_.albedo[c];
     score(event, kept);
   }
   if (!survives(kept, stream)) return false;
@@ -187,8 +189,8 @@ template <int C>
 bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
   Weights kept;
   after_mirror_ = false;
-  if (!s_.substrate_law) {
-    for (int c = 0; c < C; ++c) kept[c] = s_.substrate_albedo[c];
+  if (!setting_.substrate_law) {
+    for (int c = 0; c < C; ++c) kept[c] = setting_.substrate_albedo[c];
     const DiffuseEvent event{hit.point, hit.normal};
     score(event, kept);
     if (!survives(kept, stream)) return false;
@@ -196,13 +198,13 @@ bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
     return true;
   }
   score(hit.point, [&](Direction wo) {
-    const Rgb value = s_.substrate_law->eval(wi_, wo);
+    const Rgb value = setting_.substrate_law->eval(wi_, wo);
     Weights f;
     for (int c = 0; c < C; ++c) f[c] = value[c];
     return f;
   });
   const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
-  const auto sample = s_.substrate_law->sample(wi_, u1, u2, u3);
+  const auto sample = setting_.substrate_law->sample(wi_, u1, u2, u3);
   for (int c = 0; c < C; ++c) kept[c] = sample ? sample->weight[c] : 0;
   if (!survives(kept, stream) || !sample) return false;
   wi_ = -sample->wo;
@@ -211,28 +213,29 @@ bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
 
 template <int C>
 void Walker<C>::walk(std::uint64_t index) {
-  RandomStream stream(s_.seed, index, StreamPurpose::walk);
+  RandomStream stream(setting_.seed, index, StreamPurpose::walk);
   begin_targets(index);
   EnergySums& energy = tally_.energy;
   weight_ = {};
   order_ = 0;
   after_mirror_ = false;
   checksum_ = 0;
-  wi_ = turned(s_.incident, cosine_, sine_);
-  Direction point{s_.geometry.tile * stream.uniform(), s_.geometry.tile * stream.uniform(),
-                  wi_.z > 0 ? s_.geometry.top() : s_.geometry.bottom()};
+  wi_ = turned(setting_.incident, cosine_, sine_);
+  Direction point{setting_.geometry.tile * stream.uniform(),
+                  setting_.geometry.tile * stream.uniform(),
+                  wi_.z > 0 ? setting_.geometry.top() : setting_.geometry.bottom()};
   for (;;) {
     const GrainHit hit = scene_->trace(point, -wi_);
     if (hit.end == RayEnd::lost) {
       weight_.add_to(energy.unresolved);
       break;
     }
-    if (hit.end == RayEnd::up || (hit.end == RayEnd::down && !s_.has_substrate)) {
+    if (hit.end == RayEnd::up || (hit.end == RayEnd::down && !setting_.has_substrate)) {
       weight_.leave(energy, hit.end == RayEnd::down, order_, false);
       if (order_ > 0) leave(turned(-wi_, cosine_, -sine_), after_mirror_);
       break;
     }
-    if (order_ == s_.max_order) {
+    if (order_ == setting_.max_order) {
       weight_.add_to(energy.unresolved);
       break;
     }
@@ -248,7 +251,7 @@ void Walker<C>::walk(std::uint64_t index) {
   ++tally_.walks;
   double check = wi_.x + wi_.y + wi_.z + point.x + point.y + point.z + checksum_;
   for (int c = 0; c < C; ++c) check += weight_.value[c];
-  if (!std::isfinite(check)) throw NonFiniteError(s_.seed, index, s_.incident);
+  if (!std::isfinite(check)) throw NonFiniteError(setting_.seed, index, setting_.incident);
 }
 
 }  // namespace
