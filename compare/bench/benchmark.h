@@ -46,7 +46,7 @@ struct BenchmarkEffort {
 /// Relative root mean square of the cells' standard errors.
 [[nodiscard]] double noise_of(const LobeEstimate& lobe);
 
-/// Walks at doubling numbers until so many seconds are spent; those that were.
+/// Advances by doubling numbers of walks until `seconds` have passed; returns the seconds taken.
 double advance_for(Simulation& simulation, double seconds);
 
 /// A stack of the walk rows and the textbook loop of the same physics.

@@ -74,7 +74,7 @@ void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
     const auto shadow = [&] {
       for (const Ray& ray : rays) sum += scene.is_free(ray.origin, ray.direction);
     };
-    // As many rays against every sphere would take for ever: a few, scaled.
+    // All rays against every sphere would take hours: a few are timed, and the time is scaled.
     const std::size_t few = 16;
     const auto all = [&] {
       for (std::size_t k = 0; k < few; ++k) sum += nearest_of_all(centres, g.radius, rays[k]);

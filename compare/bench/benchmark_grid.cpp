@@ -145,7 +145,7 @@ double variance_per_walk(Estimate e, std::uint64_t walks) {
   return e.standard_error * e.standard_error * static_cast<double>(walks);
 }
 
-// So many walks, a multiple of the batches, that take about that long.
+// The number of walks, a multiple of the batches, that takes about `seconds`.
 std::uint64_t walks_for(double seconds, Simulation& simulation) {
   std::uint64_t walks = 4 * kBatches;
   for (;;) {

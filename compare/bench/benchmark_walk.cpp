@@ -55,7 +55,7 @@ double reflected_error(const Simulation& simulation) {
   return e.standard_error / e.value;
 }
 
-// So many walks, a multiple of the batches, that `advance` takes about that long.
+// The number of walks, a multiple of the batches, for which `advance` takes about `seconds`.
 template <class Advance>
 std::uint64_t calibrate(double seconds, const Advance& advance) {
   std::uint64_t walks = 2 * kBatches;

@@ -6,10 +6,10 @@
 
 namespace lamella {
 
-/// For a benchmark: what lanes sorted by medium would have to do besides walking. So many times,
-/// the twelve numbers of each walk of four sets of lanes are moved so that walks of one of two
-/// media come first; which medium a walk is in is drawn anew each time. Returns a sum of what was
-/// moved.
+/// For a benchmark: what lanes sorted by medium would have to do besides walking. In each of
+/// `steps` steps the twelve numbers of each walk of four sets of lanes are moved so that the walks
+/// of one of two media come first; the medium of a walk is drawn anew in each step. Returns a sum
+/// over the numbers moved, so that the compiler keeps the work.
 LAMELLA_LANE_FUNCTION(std::uint32_t, sort_walks, (std::uint32_t steps))
 
 /// The lanes of four sets.

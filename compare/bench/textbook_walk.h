@@ -18,9 +18,9 @@ namespace lamella {
 enum class TextbookMedium {
   lambert_sphere,     ///< d'Eon 2021, eq. 6, for the deflection; a frame about the direction
   sggx_mirror,        ///< Heitz et al. 2015: visible normals in a frame about w_i, mirrored
-  sggx_lambert,       ///< likewise, cosine law about the normal
+  sggx_lambert,       ///< the same visible normals, cosine law about them
   vmf_lambert,        ///< d'Eon and Weidlich 2024: null collisions, normals from D, cosine law
-  vmf_mirror,         ///< likewise, mirrored
+  vmf_mirror,         ///< the same normals, mirrored
   henyey_greenstein,  ///< inverse of the cumulative distribution; a frame about the direction
 };
 

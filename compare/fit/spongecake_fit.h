@@ -14,7 +14,7 @@ struct SpongecakeResidue {
   bool reflected = true;
   double energy_truth = 0, energy_model = 0;  ///< of orders 2 and up, luminance (Rec. 709)
   double relative_rmse = 0;                   ///< over the cells; 1: as far off as no lobe at all
-  double noise = 0;                           ///< the part of it that is the simulation's
+  double noise = 0;                           ///< the simulation's part of relative_rmse
 };
 
 struct SpongecakeFit {

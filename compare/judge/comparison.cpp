@@ -76,7 +76,7 @@ void add_noise(BatchSums& sums,
       sums.sums[b][k] -= sums.walks[b] * stretch * (parts[b % parts.size()][order][k] - mean[k]);
 }
 
-// The bounded truth in every one of so many batches.
+// Batches that all hold the bounded truth.
 BatchSums same_in_batches(const std::vector<double>& values, std::size_t batches) {
   return {std::vector<double>(batches, 1.0), std::vector<std::vector<double>>(batches, values)};
 }
@@ -114,8 +114,8 @@ std::vector<int> group_of_group(const std::vector<int>& first, const std::vector
   return out;
 }
 
-// `bounds`: of the truth's cells, where it has such. `budget`: per channel, how much the sum of the
-// cells may be too low; empty where nothing is missing.
+// `bounds`: error bounds of the truth's cells; empty for walks. `budget`: per channel, how much the
+// sum of the cells may be too low; empty where nothing is missing.
 double p_value_of(const BatchSums& sums, const std::vector<double>& model,
                   const std::vector<double>& bounds, const std::vector<double>& budget,
                   const CellGrid& grid, int channels) {

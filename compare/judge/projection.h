@@ -16,7 +16,7 @@ struct ProjectedLobes {
   /// What refinement left open, per cell like the values: the last change, 0 where that is within
   /// kProjectionTolerance. Jumps, noise and features narrower than a panel leave something.
   std::array<std::vector<double>, kOrders + 1> errors;
-  /// Of a stochastic model: lobes of independent estimates of it, whose scatter is its noise.
+  /// Of a stochastic model: lobes of independent estimates, whose scatter is the model's noise.
   std::vector<std::array<std::vector<double>, kOrders + 1>> parts;
 };
 

@@ -18,7 +18,7 @@ struct Options {
   std::uint64_t walks = 1000000;
   std::optional<double> target_error{}, seconds{};
   std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
-  std::optional<std::uint32_t> thin_from{};  ///< likewise, Thinning::first
+  std::optional<std::uint32_t> thin_from{};  ///< Thinning::first of walks; else as the plan chooses
   std::vector<WalkSetting> walk_settings{};  ///< which of the five above were given
   double tolerance = 1e-4;                   ///< of the deterministic solver
   std::string grid = "16x32";

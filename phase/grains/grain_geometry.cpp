@@ -11,8 +11,8 @@
 namespace lamella {
 namespace {
 
-// Grains of a tile unless the file says how large it is, and the smallest such tile in radii: what
-// a path meets twice because of the period is of the order of one grain in this many.
+// Number of grains in a tile, and the smallest tile in radii, unless the file gives the tile: of
+// this many grains a path meets about one twice because of the period.
 constexpr double kUsualGrains = 20000, kUsualTile = 40;
 // Trials in a row after which a packing counts as out of reach.
 constexpr int kTrials = 200000;

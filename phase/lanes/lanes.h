@@ -36,7 +36,8 @@ struct Mask {
   LAMELLA_INLINE friend Mask without(Mask a, Mask b) { return {hn::AndNot(b.m, a.m)}; }
 };
 
-/// So many numbers of type T, float or double (Floats, Doubles below) or std::uint32_t (Words).
+/// One register of numbers of type T: float, double (Floats, Doubles below) or std::uint32_t
+/// (Words).
 template <class T>
 struct Lane {
   using Tag = hn::ScalableTag<T>;
@@ -107,7 +108,7 @@ struct Lane {
   LAMELLA_INLINE friend Lane divide(Lane a, Lane b) { return a * reciprocal(b); }
   LAMELLA_INLINE friend Lane sqrt(Lane a) { return hn::Sqrt(a.v); }
 
-  /// From and to so many numbers in memory, aligned or not.
+  /// Loads or stores one register of numbers, aligned or not.
   LAMELLA_INLINE static Lane load(const T* from) { return hn::LoadU(Tag(), from); }
   LAMELLA_INLINE void store(T* to) const { hn::StoreU(v, Tag(), to); }
   /// 0, 1, 2, ...
@@ -179,7 +180,7 @@ LAMELLA_INLINE Words to_words(Floats a) {
   return hn::Vec<Words::Tag>{_mm_cvttps_epi32(a.v.raw)};
 #endif
 }
-/// Likewise, rounded to nearest.
+/// The same conversion, rounded to nearest.
 LAMELLA_INLINE Words to_nearest_words(Floats a) {
 #if HWY_TARGET == HWY_AVX3
   return hn::Vec<Words::Tag>{_mm512_cvtps_epi32(a.v.raw)};

@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #define LAMELLA_INLINE [[gnu::always_inline]] inline
-/// Likewise for a lambda, after its parameters.
+/// Forces a lambda inline; stands after its parameters.
 #define LAMELLA_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace lamella {

@@ -15,7 +15,7 @@ template <class Real>
   return {r * cosine, r * sine, z};
 }
 
-/// Likewise from a uniform in [-1, 1] and an azimuth.
+/// A uniform point of the sphere from its z, uniform in [-1, 1], and a uniform azimuth.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> sphere_point(Real z, SineCosine<Real> azimuth) {
   using std::sqrt;
@@ -58,7 +58,7 @@ template <class Real>
   return deflect(axis, SineCosine<Real>{s, cosine}, azimuth);
 }
 
-/// Likewise at azimuth 2 pi u.
+/// The same deflection at the azimuth 2 pi u.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine, Real u) {
   return deflect(axis, cosine, sine_cosine_of_turns(u));

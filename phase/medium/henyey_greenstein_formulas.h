@@ -35,7 +35,7 @@ template <class Real>
   return divide(multiply_add(x, multiply_add(x, half * most, most), half * (Real(3) - g2)), d * d);
 }
 
-/// Likewise from a uniform in (0, 1).
+/// The same sample from a uniform in (0, 1).
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Real henyey_greenstein_cosine(Real g, Real u) {
   return henyey_greenstein_cosine_signed(g, multiply_add(Real(2), u, Real(-1)));

@@ -17,7 +17,7 @@ struct VisibleNormalMixture {
   [[nodiscard]] LAMELLA_INLINE Real majorant(Real u, Real s) const {
     return multiply_add(s, side, axial(u));
   }
-  /// The axial proposal's part of it.
+  /// The axial proposal's part of the majorant.
   [[nodiscard]] LAMELLA_INLINE Real axial(Real u) const {
     using std::abs;
     return abs(u) * select(u < Real(0), back, front);

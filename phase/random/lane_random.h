@@ -63,9 +63,9 @@ LAMELLA_INLINE Floats fine_uniform_of(Words bits) {
 
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
 namespace detail {
-/// For each of so many equal intervals of [1, 2): about its middle c, 1 / c and -log(c), the latter
-/// for the rounded 1 / c. In the first c = 1 and in the last c = 2, so that numbers at the ends of
-/// (1/2, 1] have logarithms without cancellation.
+/// For each of kIntervals equal intervals of [1, 2): about its middle c, 1 / c and -log(c), the
+/// latter for the rounded 1 / c. In the first c = 1 and in the last c = 2, so that numbers at the
+/// ends of (1/2, 1] have logarithms without cancellation.
 template <int kIntervals>
 struct LogTable;
 template <>

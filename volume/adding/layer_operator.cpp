@@ -3,10 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "phase/medium/lambert_event.h"
-#include "volume/adding/thin_layer.h"
 
 namespace lamella {
 namespace {
@@ -15,10 +13,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
-
-// Optical depth, along the steepest node, of the layer that doubling starts from. In deep layers
-// the start's error in the energy adds up, so that they start thinner.
-double thin_start(double depth) { return depth > 10 ? 1.0 / 32768 : 1.0 / 256; }
 
 // Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance,
 // by elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
@@ -64,9 +58,10 @@ RowVectorXd not_reflected(const OperatorSide& side, const VectorXd& flux) {
   return lost;
 }
 
-// Light that arrives at the front of `near`, with `far` behind it.
-OperatorSide one_side(const OperatorSide& near_front, const OperatorSide& near_back,
-                      const OperatorSide& far_front, const OperatorRules& rules) {
+}  // namespace
+
+OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_back,
+                       const OperatorSide& far_front, const OperatorRules& rules) {
   const Index n = rules.sets.nodes();
   const VectorXd& flux = rules.sets.flux;
   const auto beam = near_front.direct_in.asDiagonal();
@@ -120,19 +115,10 @@ OperatorSide one_side(const OperatorSide& near_front, const OperatorSide& near_b
   return result;
 }
 
-// Whether nothing at all crosses: then more of the same behind it changes nothing.
-bool is_opaque(const OperatorSide& side) {
-  return side.direct_in.isZero(0) && side.direct_out.isZero(0) &&
-         std::all_of(side.t.begin(), side.t.end(),
-                     [](const MatrixXd& t) { return (t.array() == 0).all(); });
-}
-
-}  // namespace
-
 LayerOperator add_layers(const LayerOperator& top, const LayerOperator& bottom,
                          const OperatorRules& rules) {
-  return {one_side(top.above, top.below, bottom.above, rules),
-          one_side(bottom.below, bottom.above, top.below, rules)};
+  return {add_sides(top.above, top.below, bottom.above, rules),
+          add_sides(bottom.below, bottom.above, top.below, rules)};
 }
 
 LayerOperator empty_layer(const OperatorRules& rules) {
@@ -159,52 +145,6 @@ LayerOperator lambert_substrate(double albedo, const OperatorRules& rules) {
     result.above.absorbed.setConstant(1 - albedo);
   }
   return result;
-}
-
-LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
-                                const OperatorRules& rules) {
-  const Index n = rules.sets.nodes();
-  double steepest = 0;
-  for (const VectorXd& area : scattering.sigma_in)
-    steepest = std::max(steepest, area.head(n).cwiseQuotient(rules.sets.in.head(n)).maxCoeff());
-  const bool infinite = std::isinf(depth);
-  const double start = thin_start(depth);
-  double thickness = infinite ? start / steepest : depth;
-  int doublings = infinite ? 200 : 0;
-  // In logarithms: the optical depth along the steepest node may be beyond all numbers.
-  const double halvings = std::log2(depth) + std::log2(steepest) - std::log2(start);
-  if (!infinite && halvings > 0) {
-    doublings = static_cast<int>(std::ceil(halvings));
-    thickness = std::ldexp(depth, -doublings);
-  }
-  LayerOperator layer = thin_layer(scattering, thickness, rules);
-  for (int k = 0; k < doublings; ++k) {
-    const MatrixXd before = layer.above.r[0].topLeftCorner(n, n);
-    const OperatorSide& below = scattering.two_sided ? layer.above : layer.below;
-    OperatorSide above = one_side(layer.above, below, layer.above, rules);
-    if (!scattering.two_sided) layer.below = one_side(layer.below, layer.above, layer.below, rules);
-    layer.above = std::move(above);
-    thickness *= 2;
-    set_direct(layer, scattering, thickness, rules.sets);
-    if (is_opaque(layer.above) && (scattering.two_sided || is_opaque(layer.below))) break;
-    if (!infinite) continue;
-    // At albedo 1 what is missing falls like 1 / thickness only. In irradiance: between grazing
-    // nodes f itself is large.
-    const VectorXd root = rules.sets.flux.cwiseSqrt();
-    const auto in_irradiance = [&](const MatrixXd& r) {
-      return (root.asDiagonal() * r * root.asDiagonal()).cwiseAbs().maxCoeff();
-    };
-    const double change = in_irradiance(layer.above.r[0].topLeftCorner(n, n) - before);
-    const bool opaque = layer.above.direct_in.head(n).maxCoeff() < 1e-17;
-    if (opaque && change <= 1e-17 * in_irradiance(before)) break;
-  }
-  if (scattering.two_sided) layer.below = layer.above;
-  if (infinite) {
-    // What is still transmitted is lost to the depth: nothing where light comes back from it.
-    layer.above.direct_in.setZero();
-    layer.above.direct_out.setZero();
-  }
-  return layer;
 }
 
 }  // namespace lamella

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "volume/adding/doubling.h"
+
 namespace lamella {
 
 GrazingMap grazing_map(const Stack& stack) {

@@ -42,7 +42,7 @@ struct GrainMeasurement {
   NormalFit vmf, sggx;
 };
 
-/// Measures `realisations` realisations with `rays` rays and as many points each. Throws
+/// Measures `realisations` realisations with `rays` rays and `rays` points each. Throws
 /// GeometryError without Embree.
 [[nodiscard]] GrainMeasurement measure_grains(const GrainGeometry& geometry, std::uint64_t seed,
                                               std::uint64_t realisations, std::uint64_t rays);

@@ -33,7 +33,7 @@ struct GrainSetting {
   /// loses nothing; and 1 minus the mean Fresnel reflectance.
   Rgb inner{0};
   double entering = 1;
-  /// Walks that share one realisation of the grains: as many as cost what building it costs.
+  /// Walks that share one realisation of the grains: they cost about what building it costs.
   std::uint64_t walks_per_realisation;
 };
 

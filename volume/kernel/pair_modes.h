@@ -44,7 +44,7 @@ struct AzimuthRule {
 /// each rule is made once per thread.
 [[nodiscard]] const AzimuthRule& azimuth_rule(double b, int modes);
 
-/// Modes of one pair, as many as `result` holds, and the white mode 0.
+/// The first result.size() modes of one pair, and the white mode 0.
 template <class P>
 void pair_modes(const P& profile, double f0, double mu_i, double mu_o, Eigen::ArrayXd& result,
                 double& white) {

@@ -25,7 +25,7 @@ enum LayerField {
   kDepth,        ///< thickness times density; infinity for a half space
   kG,            ///< henyey_greenstein
   kA,            ///< SGGX: A of S = A A^T: a00 a10 a11 a20 a21 a22; particles: the unit matrix
-  kInverse = 9,  ///< SGGX: A^-1 likewise
+  kInverse = 9,  ///< SGGX: A^-1 in the same order
   kDensityScale = 15,  ///< SGGX mirrors: 1 / (4 pi det A); vMF mirrors: D(axis) / 4
   kUp,                 ///< vMF: 1 or -1, z of the mean normal
   kFront,              ///< vMF: sigma(1)
@@ -36,7 +36,7 @@ enum LayerField {
   kReach,              ///< vMF: beyond this |u| sigma(u) is u times the latter, or 0
   kTable,              ///< vMF: where its tables begin, in pieces
   kAlbedo,             ///< three channels
-  kF0 = kAlbedo + 3,   ///< likewise; 1 where there is no Fresnel factor
+  kF0 = kAlbedo + 3,   ///< three channels; 1 where there is no Fresnel factor
   kLayerFields = kF0 + 3
 };
 

@@ -42,7 +42,7 @@ std::optional<std::string> why_not_flakes(const Sggx& ndf, double) {
 }
 std::optional<std::string> why_not_flakes(const Vmf& ndf, double depth) {
   if (ndf.alpha() < kNarrowestVmf) return "vMF flakes this narrow ask for double";
-  // Light that sees their backs meets null collisions almost only: as many as its way is long.
+  // Light that sees their backs meets almost only null collisions, in proportion to its path.
   const double up = ndf.axis().z;
   if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
     return "tilted vMF flakes, or deep ones that face down, ask for too many null collisions";

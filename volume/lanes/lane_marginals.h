@@ -11,7 +11,7 @@ namespace lamella {
 /// kLargestExponential: 1 - exp(-E) is the cumulative probability, and 1 - v as good as
 /// proportional to E where flakes are narrow.
 ///   0: density v exp(kappa v) on [0, 1], from v = 1, t^2 proportional to E;
-///   1: density x exp(-kappa x), x = -v on [0, 1], from x = 0, likewise;
+///   1: density x exp(-kappa x), x = -v on [0, 1], from x = 0, t^2 proportional to E;
 ///   2: density sqrt(1 - v^2) exp(kappa v), from v = 1, t^3 proportional to E.
 /// The cumulative probability at a table's value differs from its own by less than 2e-6 (1: and
 /// by what rounding 1 + x does to x).

@@ -90,8 +90,9 @@ struct StoredEvents {
 template <int C>
 struct NextEventOnLanes {
   static constexpr bool kUsesIndex = true;
-  // Up to so many points one after the other, all lanes at once, about as far as that is faster: in
-  // one layer of one medium, in any stack, and with weights or colour.
+  // The largest number of points that is taken one point after the other, all lanes at once: beyond
+  // it the other order is faster. In one layer of one medium, in any stack, and with weights or
+  // colour.
   static constexpr int kFew = kLanes < 8 ? 12 : 32, kFewInStacks = 12, kFewWeighed = 6;
 
   const LaneWalkTask& t;
@@ -226,7 +227,7 @@ struct NextEventOnLanes {
     }
   }
 
-  // One event after the other, as many directions at once as there are lanes.
+  // One event after the other; each register holds several directions.
   template <class All, class M>
   [[gnu::noinline]] void many(All, M medium, LaneEvent<Floats> event, LaneState<Floats, C> w,
                               FloatMask counts) const {

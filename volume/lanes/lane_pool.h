@@ -32,7 +32,7 @@ struct LanePool {
   static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
   static constexpr bool kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
   int from = 0, to = 0;
-  std::uint32_t batch = 0, made = 0;  // of its walks so many have begun
+  std::uint32_t batch = 0, made = 0;  // the batch under way; how many of its walks have begun
   std::uint64_t uncollided = 0;       // among them
   std::uint64_t collided = 0;         // of all batches
   alignas(64) std::uint32_t numbers[4][kRoom];

@@ -238,8 +238,9 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   const auto place = [](WalkEnd end, int order) {
     return static_cast<std::size_t>(end) * (kOrders + 1) + static_cast<std::size_t>(order);
   };
-  // Thinning leaves what the others stand for. Of those that an event ended which halves and, from
-  // the fourth on, absorbs as well, absorption had this share.
+  // standing: how many original walks the survivors represent. At a halving event from order 4 on,
+  // absorption and thinning end walks together and the count does not tell which; `absorbed` is
+  // absorption's expected share of those ends.
   double standing = static_cast<double>(tally.walks);
   if (thinning_.is_on()) {
     const double albedo = *std::max_element(setting_.albedo.begin(), setting_.albedo.end());

@@ -19,7 +19,7 @@ namespace lamella {
 /// Why the walks of a stack run in the scalar double kernel, if they do; in words for a user. Where
 /// float could not keep its promise (a relative bias below 1e-5), the answer is a reason, too.
 [[nodiscard]] std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan);
-/// Likewise for next-event estimation at points, or in cells.
+/// The same question for next-event estimation at points, and in cells.
 [[nodiscard]] std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
                                                           const std::vector<Direction>& points);
 [[nodiscard]] std::optional<std::string> why_not_lanes_in_cells(const Stack& stack,
@@ -46,10 +46,10 @@ class LaneRun {
   struct Part {
     std::uint64_t from, to;
   };
-  /// Such walks of neighbouring batches, the first of them given; updates their tallies to all
-  /// their walks so far. Several at once where walks are thinned: a few of them are so long that
-  /// others should keep them company. Different batches may run at the same time. Throws
-  /// NonFiniteError.
+  /// Runs one part of each of several neighbouring batches, `first` being the first of them, and
+  /// brings their tallies up to date. Several batches share a run where walks are thinned: while a
+  /// few long walks go on, walks of the next batch fill the other lanes. Different batches may run
+  /// at the same time. Throws NonFiniteError.
   void run(int first, std::span<const Part> parts, std::span<BatchTally> tallies);
 
   [[nodiscard]] LaneUse use() const;
@@ -72,7 +72,7 @@ class LaneRun {
               .targets = targets.data()};
     }
   };
-  /// The index of such a walk, if the batch has any.
+  /// The index of the first walk of a batch with a number that is not finite, if there is one.
   [[nodiscard]] std::optional<std::uint64_t> first_not_finite(LaneWalkTask task,
                                                               LaneBatch batch) const;
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,

@@ -27,8 +27,8 @@ struct LaneSetting {
   LaneSetting(const LaneSetting&) = delete;
   LaneSetting& operator=(const LaneSetting&) = delete;
 
-  /// Without weights: what a walk weighs after so many events. Survival from the fourth event on
-  /// has the chance of the brightest channel.
+  /// Without weights: what a walk weighs after `order` events. From the fourth event on it survives
+  /// with the chance of the brightest channel.
   [[nodiscard]] double weight_after(int channel, std::uint32_t order) const;
 
   LayerNumbers<Scalar> layers;

@@ -10,8 +10,8 @@
 
 namespace lamella {
 
-/// Streams of such a walk, beside those of StreamPurpose: the state that its numbers begin from,
-/// and the place within cells that an event's light is sent to.
+/// Random streams of a walk on lanes, beside those of StreamPurpose: one gives the state that its
+/// generator begins from, one the place within cells that an event's light is sent to.
 inline constexpr std::uint32_t kLaneWalkStream = 4, kLaneTargetStream = 6;
 
 /// What became of a walk.
@@ -20,7 +20,7 @@ inline constexpr int kWalkEnds = 5;
 /// The order from which on walks end by roulette: kTallyOrders.
 inline constexpr std::uint32_t kRouletteOrder = 4;
 
-/// A stack and its light as such walks know them.
+/// A stack and its light as walks on lanes know them.
 template <class Scalar>
 struct WalkSetting {
   const LayerNumbers<Scalar>* layers = nullptr;
@@ -178,8 +178,8 @@ struct AnyMedia {
     y = select(f.flies, select(f.down, Real(0), lookup(t.layers->value[kDepth], layer)), y);
     return any(f.flies);
   }
-  /// Moves y and the layer by such a flight, exactly across layers; which lanes end at a collision
-  /// (the substrate's, too).
+  /// Moves y and the layer by a free flight, exactly across layers. Returns which lanes end at a
+  /// collision, in a medium or with the substrate.
   LAMELLA_INLINE Mask fly(Vec3<Real> wi, Real remaining, Mask flies, Words& layer, Real& y) const {
     Flight flight = begin_flight(wi, remaining, flies, layer, y);
     while (cross(flight, wi, layer, y)) {
@@ -196,7 +196,7 @@ struct NoScore {
   LAMELLA_INLINE void operator()(All, const M&, const LaneEvent<Real>&, const State&, Mask) const {}
 };
 
-/// Likewise, of walks whose index is told.
+/// Scores nothing, but the loop must know the walks' indices (to tell batches apart).
 struct NoScoreByIndex : NoScore {
   static constexpr bool kUsesIndex = true;
 };
@@ -211,8 +211,8 @@ struct LaneEnds {
   MaskOf<Real> reflections;  ///< the substrate's among them
 };
 
-/// How a walk of so many events ended, and at which order. The event after max_order, which does
-/// not count any more, leaves a walk unresolved.
+/// How a walk ended, and after how many events that count. An event beyond max_order does not
+/// count and leaves the walk unresolved.
 template <class Words>
 struct LaneEnd {
   Words end, order;  ///< WalkEnd; events that counted

@@ -43,10 +43,10 @@ enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
 
 /// What a batch's walks add up to.
 struct LaneSums {
-  /// Walks [WalkEnd][order], orders from 4 on together; where walks are thinned, each counts for
-  /// those that it stood for (thinned ones without weights: had it lived on). Of walks without
-  /// weights and colour that are counted in cells, `cells` has those that left and, behind the
-  /// cells, the others.
+  /// Ends of walks [WalkEnd][order], orders from 4 on together. Unthinned: number of walks.
+  /// Thinned: each adds its multiplicity 2^k; a walk without weights that thinning ended adds the
+  /// multiplicity it would have had. For walks without weights and colour that are counted in
+  /// cells, `cells` holds those that left and, behind the cells, the others.
   std::uint64_t* ends = nullptr;
   /// Weights of walks at their end [channel][WalkEnd][order] in units of 1 / kPointUnits; only if
   /// the task has weights or three channels.
@@ -57,8 +57,8 @@ struct LaneSums {
   /// Next event: p(w_i -> w_o) exp(-tau) (on cells, over |mu_o|) times the weight, if the task has
   /// weights or three channels: [slot][channel][place].
   std::int64_t* targets = nullptr;
-  /// Steps taken times lanes, how many of these lanes had a walk, and how many an event of it: the
-  /// others had a null collision.
+  /// Steps taken times lanes; how many of these lanes had a walk; how many of those met an event:
+  /// the others had a null collision.
   std::uint64_t lane_steps = 0, busy_lane_steps = 0, events = 0;
   std::uint64_t reflections = 0;  ///< the substrate's among the events
   /// False where a walk met a number that is not finite.
@@ -72,11 +72,11 @@ struct LaneBatch {
   LaneSums* sums = nullptr;
 };
 
-/// Walks of a batch, or of neighbouring ones, so that the longest walks of one keep company with
-/// the next one's.
+/// Walks of one batch, or of neighbouring batches: while the longest walks of one go on, walks of
+/// the next fill the other lanes.
 struct LaneWalkTask {
   WalkSetting<float> walk;
-  /// One layer of one medium without weights: volume/lanes/lane_task.cpp. Else
+  /// One layer of one medium without weights: volume/lanes/lane_one_medium.cpp. Else
   /// volume/lanes/lane_any_stack.cpp.
   bool one_medium = false;
   bool weights = false;  ///< walks carry weights, one per channel; else the order alone tells them
@@ -84,8 +84,8 @@ struct LaneWalkTask {
   LaneEstimate estimate = LaneEstimate::energies;
   LanePoints points;
   LaneCells cells;
-  /// Without weights and with three channels: the weight of a walk after so many events, and the
-  /// weight that an event of that order sends out; [channel][order_cap + 1].
+  /// Without weights and with three channels: by order, the weight of a walk at its end, and the
+  /// weight that an event sends out; [channel][order_cap + 1].
   const std::int64_t* end_weight = nullptr;
   const float* event_weight = nullptr;
   std::uint32_t order_cap = 0;

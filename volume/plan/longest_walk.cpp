@@ -39,11 +39,11 @@ double longest_walk(const Stack& stack, std::span<const int> layers) {
     const double area = (sigma(layer.medium, {0, 0, 1}) + sigma(layer.medium, {0, 0, -1})) / 2;
     depth += layer.depth() * area * turn(layer.medium);
     absorbed = std::min(absorbed, (1 - passed_on(layer)) / turn(layer.medium));
-    // One-sided flakes let light out again within so many mean free paths.
+    // One-sided flakes let light out again within 1 / drift mean free paths.
     drift = std::max(drift,
                      std::abs(traits(layer.medium).mean_normal.value.z) / std::max(area, 1e-300));
   }
-  // Diffusion: as many events as the square of the way.
+  // Diffusion: the number of events is the square of the way in mean free paths.
   return (1 + 1 / (absorbed + 1 / (depth * depth) + drift * drift)) / least_turn(stack, layers);
 }
 

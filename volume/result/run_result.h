@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "volume/result/accuracy.h"
 #include "volume/result/cell_grid.h"
 #include "volume/result/estimator.h"
 #include "volume/result/tally.h"
 #include "volume/result/thinning.h"
-#include "volume/solver/deterministic.h"
 
 namespace lamella {
 
@@ -22,7 +22,7 @@ struct LobeEstimate {
 /// What simulate gives for one incident direction; sides are relative to it.
 struct SideResult {
   std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
-  std::array<Estimate, 3> specular{};  ///< the part of it that met delta flakes only
+  std::array<Estimate, 3> specular{};  ///< the part of `total` that met delta flakes only
   std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
   /// Lobes 1, 2, 3, 4+, all; empty if light cannot leave here.
   std::array<LobeEstimate, kTallyOrders + 1> lobes{};
@@ -36,7 +36,7 @@ struct RunResult {
   CellGrid grid;
   int channels = 1;
   std::uint64_t walks = 0, collisions = 0;
-  std::uint64_t max_order = 0;  ///< of walks, likewise their thinning
+  std::uint64_t max_order = 0;  ///< of walks; 0 from the solver
   Thinning thinning;
   std::uint64_t holes = 0;  ///< rays that began inside of explicit grains: a defect
   double seconds = 0;

@@ -25,7 +25,7 @@ struct EnergySums {
   using Channels = std::array<double, 3>;
   std::array<Channels, kTallyOrders> up{},
       down{};                               ///< left the stack there, after that many events
-  Channels specular_up{}, specular_down{};  ///< the part of it that met delta flakes only
+  Channels specular_up{}, specular_down{};  ///< the part of up and down that met delta flakes only
   Channels uncollided{}, absorbed{}, unresolved{};
   Channels thinned{};  ///< what thinning has taken less what it has given: 0 on average
 };

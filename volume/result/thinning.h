@@ -48,7 +48,7 @@ template <class Words>
 /// The event at which thinning ends a walk, from 32 random bits; ~0 if none does.
 template <class Words>
 [[nodiscard]] LAMELLA_INLINE Words thinned_at(std::uint32_t first, Words bits) {
-  // So many leading zeros of 24 bits: each halves the chance.
+  // The number of leading zeros of 24 random bits: n zeros have the chance 2^-n.
   const Words spared = Words(23u) - highest_bit(max(shift_right<8>(bits), Words(1u)));
   const Words bit = Words(highest_bit(first)) + shift_left<1>(spared);
   return select(is_below(Words(highest_bit(Thinning::kLast)), bit), Words(~0u),

@@ -162,7 +162,7 @@ void Simulation::advance(std::uint64_t walks) {
     return total > static_cast<std::uint64_t>(batch) ? (total - batch - 1) / kBatches + 1 : 0;
   };
   if (lanes_) {
-    // Thinned walks: as many batches together as leave every thread two shares.
+    // Thinned walks: batches are run together, in two shares per thread.
     const int shares = plan_.thinning.is_on()
                            ? std::min(kBatches, 2 * tbb::this_task_arena::max_concurrency())
                            : kBatches;

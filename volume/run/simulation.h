@@ -42,7 +42,7 @@ class Simulation {
   /// Rays that a defect of explicit geometry let into a grain: 0.
   [[nodiscard]] std::uint64_t holes() const;
   /// Advancing by a multiple of this many walks wastes nothing: among grains, whole realisations;
-  /// where walks are thinned, as many as keep the longest company.
+  /// where walks are thinned, enough walks to fill the lanes beside the longest ones.
   [[nodiscard]] std::uint64_t stride() const;
   [[nodiscard]] const std::vector<BatchTally>& batches() const { return batches_; }
   [[nodiscard]] const CellTargets& targets() const { return targets_; }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "phase/stack/stack.h"
+#include "volume/result/accuracy.h"
 
 namespace lamella {
 
@@ -39,38 +40,6 @@ struct DeterministicOptions {
   std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables
   const std::atomic<bool>* stop = nullptr;  ///< once set, refinement ends with what was reached
   SolverReport report{};
-};
-
-/// What ended the refinement. numbers: the last solution has numbers that are not finite.
-enum class DeterministicLimit { none, nodes, modes, time, memory, interrupted, numbers };
-
-/// "nodes", "modes", "time", "memory", "interrupted" or "numbers"; empty where the tolerance was
-/// reached.
-[[nodiscard]] std::string to_text(DeterministicLimit limit);
-
-/// What a solution cost and how far it got.
-struct DeterministicAccuracy {
-  bool reached = false;                                 ///< whether error <= tolerance
-  DeterministicLimit limit = DeterministicLimit::none;  ///< what stopped it short of that
-  /// Of f, relative to DeterministicField::scale: the largest change under the last refinement of
-  /// the nodes at probe directions (mu from 0.01 to 1, both grazing and straight on among them),
-  /// plus what the azimuthal modes left out would add; never less than energy_defect. Infinite
-  /// where no solution had finite numbers. DeterministicValue carries each pair's own.
-  double error = 0;
-  double node_error = 0;    ///< the first part of it
-  double second_error = 0;  ///< of order 2 of steep media by its modes: apart from node_error
-  /// What the energies at the probes violate: how far their sum is from 1, how far any is below 0.
-  double energy_defect = 0;
-  int nodes = 0, modes = 0;            ///< modes: the most of any channel
-  std::array<int, 3> channel_modes{};  ///< per colour channel
-  double seconds = 0;
-  std::size_t bytes = 0;  ///< of the kernels, the largest tables
-
-  /// Whether the solution says anything at all: its error is known, and that of the nodes is no
-  /// larger than f itself.
-  [[nodiscard]] bool is_answer() const {
-    return std::isfinite(error) && node_error <= 1 && energy_defect <= 1;
-  }
 };
 
 /// Scattering orders 1, 2, 3, 4 and more, all.
@@ -173,7 +142,7 @@ class DeterministicSolution {
   std::vector<int> channels_;                     // distinct ones
   std::array<int, 3> channel_of_{};               // index into channels_
   std::array<int, 3> modes_{};                    // per distinct channel
-  std::array<std::array<double, 4>, 3> faint_{};  // likewise, and per pair of sides
+  std::array<std::array<double, 4>, 3> faint_{};  // per distinct channel and pair of sides
 };
 
 /// Why the method does not apply, if it does not: the stack is not symmetric about z, or holds

@@ -65,20 +65,4 @@ struct DeterministicField::Channel {
 /// Whether a kernel is too steep for few modes: mirror flakes, a narrow forward peak.
 [[nodiscard]] bool is_steep(const Medium& medium);
 
-/// The stack with only those events that SecondOrder counts: other layers and the substrate absorb.
-[[nodiscard]] Stack counted_by_second_order(const Stack& stack);
-
-/// Splits order 2 of a stack's modes into what SecondOrder counts and the rest.
-class SecondSplit {
- public:
-  SecondSplit(const Stack& stack, int channel, const DirectionSets& sets);
-  /// The counted part of order 2 between directions that were asked for, if it is not all.
-  [[nodiscard]] std::optional<Parts> counted(int m);
-
- private:
-  Stack stack_;
-  bool every_mode_, first_mode_;
-  std::optional<StackModes> modes_;
-};
-
 }  // namespace lamella

@@ -7,6 +7,7 @@
 #include "phase/stack/single_scattering.h"
 #include "volume/solver/deterministic_channel.h"
 #include "volume/solver/mode_tail.h"
+#include "volume/solver/second_split.h"
 
 namespace lamella {
 
@@ -15,9 +16,8 @@ using Eigen::MatrixXd;
 
 namespace {
 
-// Of order 2 at one pair: near straight transmission they fall algebraically. As many are
-// integrated, and as many are had with those that a fit continues.
-constexpr int kMostSecondModes = 400, kMostContinuedModes = 2400;
+// What sums of modes alone owe.
+double whole(const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; }
 
 void check_sides(const Stack& stack, std::span<const double> mu_i) {
   if (!stack.is_open_below())
@@ -26,106 +26,12 @@ void check_sides(const Stack& stack, std::span<const double> mu_i) {
         throw std::invalid_argument("light from below on a half space or an opaque substrate");
 }
 
-// What sums of modes alone owe.
-double whole(const ModeTail& tail) { return std::abs(tail.sum(0)) + tail.error; }
-
-// Continues modes by their fit until those beyond leave less than `allowed`, or are too many;
-// returns what they leave.
-double continue_modes(Eigen::ArrayXd& modes, const ModeTail& tail, double allowed) {
-  if (tail.amplitude == 0) return 0;
-  double left = std::abs(tail.sum(0));
-  std::vector<double> more;
-  for (int m = tail.first; m < kMostContinuedModes && left > allowed; ++m) {
-    more.push_back(tail.at(m));
-    left = std::max(0.0, left - 2 * std::abs(more.back()));
-  }
-  const Index integrated = modes.size();
-  modes.conservativeResize(integrated + static_cast<Index>(more.size()));
-  std::copy(more.begin(), more.end(), modes.data() + integrated);
-  return left;
-}
-
 // A direction with cosine mu and azimuth phi.
 Direction at(double mu, double phi) {
   return with_grazing_limit(direction_from_mu_phi(std::clamp(mu, -1.0, 1.0), phi));
 }
 
 }  // namespace
-
-Cosines::Cosines(std::span<const double> mu) {
-  for (const double m : mu) distinct.push_back(std::max(std::abs(m), kGrazingLimit));
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  for (const double m : mu)
-    place.push_back(
-        std::lower_bound(distinct.begin(), distinct.end(), std::max(std::abs(m), kGrazingLimit)) -
-        distinct.begin());
-}
-
-int part_of(double mu_i, double mu_o) {
-  return mu_i > 0 ? (mu_o > 0 ? kAboveToUp : kAboveToDown) : (mu_o > 0 ? kBelowToUp : kBelowToDown);
-}
-
-const Series& part_of(const LayerOperator& op, int part) {
-  switch (part) {
-    case kAboveToUp:
-      return op.above.r;
-    case kAboveToDown:
-      return op.above.t;
-    case kBelowToDown:
-      return op.below.r;
-    default:
-      return op.below.t;
-  }
-}
-
-MatrixXd asked(const MatrixXd& m, Index nodes) {
-  return m.bottomRightCorner(m.rows() - nodes, m.cols() - nodes);
-}
-
-bool is_steep(const Medium& medium) {
-  constexpr double kPeaked = 0.85;
-  const MediumTraits t = traits(medium);
-  return t.shape == PhaseShape::jump || std::abs(t.mean_cosine) > kPeaked;
-}
-
-namespace {
-
-bool is_counted(const Medium& medium) { return traits(medium).shape != PhaseShape::diffuse; }
-
-}  // namespace
-
-Stack counted_by_second_order(const Stack& stack) {
-  Stack counted = stack;
-  for (Layer& layer : counted.layers)
-    if (!is_counted(layer.medium)) layer.albedo = Rgb(0);
-  if (counted.substrate) counted.substrate->albedo = Rgb(0);
-  return counted;
-}
-
-SecondSplit::SecondSplit(const Stack& stack, int channel, const DirectionSets& sets)
-    : stack_(counted_by_second_order(stack)),
-      every_mode_(std::any_of(
-          stack.layers.begin(), stack.layers.end(),
-          [&](const Layer& l) { return !is_counted(l.medium) && l.albedo[channel] > 0; })),
-      // A Lambertian substrate takes part in mode 0 only.
-      first_mode_(stack.substrate && stack.substrate->albedo[channel] > 0) {
-  if (every_mode_ || first_mode_) modes_.emplace(stack_, channel, sets, 2);
-}
-
-std::optional<Parts> SecondSplit::counted(int m) {
-  if (!(every_mode_ || (first_mode_ && m == 0))) return std::nullopt;
-  modes_->prepare(m + 1);
-  const LayerOperator op = modes_->mode(m);
-  Parts result;
-  for (int part = 0; part < 4; ++part)
-    result[part] = asked(part_of(op, part)[2], modes_->sets().nodes());
-  return result;
-}
-
-int DeterministicField::Channel::part(std::size_t i, std::size_t o) const {
-  return part_of(sign_in[i], sign_out[o]);
-}
 
 double DeterministicField::mode(int channel, int order, int m, std::size_t i, std::size_t o) const {
   const Channel& c = *channels_[channel_of_[channel]];
@@ -269,69 +175,6 @@ double DeterministicField::error_of_mean(int channel, std::size_t i, std::size_t
   else
     error += solved * whole(second) + (c.second ? second_error_ * scale : 0);
   return error;
-}
-
-DeterministicField::Channel::Tails DeterministicField::Channel::tails(int part, Index row,
-                                                                      Index column) const {
-  const std::size_t count = modes.size();
-  std::vector<double> seconds(count), thirds(count), others(count);
-  for (std::size_t m = 0; m < count; ++m) {
-    const OrderModes& mode = modes[m];
-    const MatrixXd& rest = mode.second_rest[part];
-    seconds[m] = mode.second[part](row, column);
-    thirds[m] = mode.third[part](row, column);
-    others[m] = mode.higher[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
-  }
-  return {fit_mode_tail(seconds), fit_mode_tail(thirds), fit_mode_tail(others)};
-}
-
-void DeterministicField::Channel::integrate_second(double tolerance) {
-  const Index rows = static_cast<Index>(out.distinct.size()),
-              columns = static_cast<Index>(in.distinct.size());
-  for (Parts* parts : {&second_count, &second_error, &second_left})
-    parts->fill(MatrixXd::Zero(rows, columns));
-  struct CosinePair {
-    Index row, column;
-    double mu_i, mu_o;
-    auto operator<=>(const CosinePair&) const = default;  // NOLINT(modernize-use-nullptr): its 0
-  };
-  std::vector<CosinePair> pairs;
-  for (std::size_t i = 0; i < in.place.size(); ++i)
-    for (std::size_t o = 0; o < out.place.size(); ++o)
-      pairs.push_back({static_cast<Index>(out.place[o]), static_cast<Index>(in.place[i]),
-                       sign_in[i] * in.distinct[in.place[i]],
-                       sign_out[o] * out.distinct[out.place[o]]});
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  std::vector<Eigen::ArrayXd> found(pairs.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
-    const auto& [row, column, mu_i, mu_o] = pairs[k];
-    const int part = part_of(mu_i, mu_o);
-    const double allowed = tolerance * std::max(mean[part](row, column), faint[part]);
-    for (int count = static_cast<int>(modes.size());; count += count / 2) {
-      SecondOrder::Modes integrated = second->modes(mu_i, mu_o, count, allowed / 4);
-      const ModeTail tail = fit_mode_tail({integrated.f.data(), static_cast<std::size_t>(count)});
-      const double left_out = tail.error + continue_modes(integrated.f, tail, allowed / 4);
-      found[k] = std::move(integrated.f);
-      second_count[part](row, column) = count;
-      second_error[part](row, column) = integrated.error;
-      second_left[part](row, column) = left_out;
-      if (left_out <= allowed || count >= kMostSecondModes) break;
-    }
-  });
-  const std::size_t solved = modes.size();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const auto& [row, column, mu_i, mu_o] = pairs[k];
-    const int part = part_of(mu_i, mu_o);
-    for (std::size_t m = 0; m < static_cast<std::size_t>(found[k].size()); ++m) {
-      if (m >= solved + more_second.size()) {
-        more_second.emplace_back();
-        more_second.back().fill(MatrixXd::Zero(rows, columns));
-      }
-      (m < solved ? modes[m].second : more_second[m - solved])[part](row, column) =
-          found[k][static_cast<Index>(m)];
-    }
-  }
 }
 
 bool DeterministicSolution::integrates_second() const {

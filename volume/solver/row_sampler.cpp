@@ -72,8 +72,8 @@ struct RowSampler::Panel {
                                                const std::vector<double>& steep_at);
   [[nodiscard]] Eigen::MatrixXd row_weights(const CellGrid& grid) const;
 
-  // Radiance behaves like mu log mu at grazing, and that of mirror flakes likewise about |mu_i|:
-  // the distance from there as t^3 makes that smooth.
+  // Radiance behaves like mu log mu at grazing, and that of mirror flakes like x log x, x the
+  // distance from |mu_i|: a distance of t^3 makes that smooth.
   [[nodiscard]] double elevation(double t) const {
     const double length = high - low, back = 1 - t;
     return steep == Steep::low    ? low + length * t * t * t

@@ -24,8 +24,8 @@ struct LateralContrast {
 
 /// The layers that replace one with a grid, from the top down: a slice of voxels becomes a layer
 /// with the slice's mean density; equal neighbours join. Flakes that vary become the slice's
-/// density-weighted mean: of S for SGGX (`matrix`), of normals and roughness for vMF; albedos
-/// likewise.
+/// density-weighted mean: of S for SGGX (`matrix`), of normals and roughness for vMF, and of the
+/// albedo.
 [[nodiscard]] std::vector<Layer> depth_profile(const Layer& layer, const DensityGrid& grid);
 
 /// The stack with depth profiles in the place of its grids. grids: as in Plan.

@@ -6,7 +6,7 @@
 
 namespace lamella {
 
-/// Gradient noise on a lattice that repeats after so many cells along each axis (Perlin 2002,
+/// Gradient noise on a lattice that repeats after `cells` cells along each axis (Perlin 2002,
 /// "Improving noise", with random unit gradients instead of his twelve): mean 0, smooth to the
 /// second derivative, about within [-1, 1].
 class GradientNoise {

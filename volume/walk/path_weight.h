@@ -15,7 +15,7 @@ struct PathWeight {
 
   PathWeight() { value.fill(1); }
 
-  /// Gives all of it to an entry of the ledger.
+  /// Adds the whole weight to an entry of the ledger.
   void add_to(std::array<double, 3>& sums) const {
     for (int c = 0; c < C; ++c) sums[c] += value[c];
   }

@@ -73,8 +73,8 @@ struct TargetDirections {
 
   [[nodiscard]] int count() const { return static_cast<int>(x.size()); }
   void resize(int count, std::size_t layers);
-  /// Fills rate and beyond for all directions; `row_length`: so many neighbours share their mu and,
-  /// the stack being symmetric about z, their areas (1: each its own).
+  /// Fills rate and beyond for all directions. row_length: how many neighbouring directions share
+  /// their mu and hence, where the stack is symmetric about z, their areas (1: none do).
   void trace(const WalkStack& stack, int row_length);
 };
 

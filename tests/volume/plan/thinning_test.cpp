@@ -99,9 +99,10 @@ TEST(Thinning, FollowsTheBrightestChannel) {
   }
 }
 
-// Walks that go on become fewer by e in so many events. What walks cut at n and at 2 n events leave
-// unresolved tells the number: 0.25 to 1.8 times the estimate here. Diffusion in a slab of
-// particles says 3 / pi^2 of it, flakes let light out faster along themselves.
+// The number of events after which the surviving walks have fallen by a factor e, from the shares
+// that walks cut at n and at 2 n events leave unresolved: 0.25 to 1.8 times the estimate here.
+// Diffusion in a slab of particles predicts 3 / pi^2 times the estimate; flakes let light out
+// faster along themselves.
 TEST(Thinning, KnowsHowLongTheLongestWalksAre) {
   for (const char* keys : {"medium = 'lambert_sphere'\nalbedo = 0.95\nthickness = inf",
                            "medium = 'lambert_sphere'\nalbedo = 0.99\nthickness = inf",

@@ -7,6 +7,7 @@
 #include "analytic/half_space/three_term.h"
 #include "tests/volume/run/stacks.h"
 #include "tests/volume/solver/deterministic_stacks.h"
+#include "volume/adding/doubling.h"
 #include "volume/adding/layer_operator.h"
 #include "volume/solver/deterministic.h"
 

@@ -1,0 +1,338 @@
+// Nodes and modes are refined until the probes' values stand still.
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "phase/math/larger_error.h"
+#include "volume/solver/deterministic.h"
+#include "volume/solver/deterministic_channel.h"
+#include "volume/solver/mode_tail.h"
+#include "volume/solver/second_split.h"
+
+namespace lamella {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Both grazing, straight on and near it are among the pairs: the hard places of steep media.
+const std::vector<double> kProbesIn{0.01, 0.07, 0.3, 0.6, 0.9};
+const std::vector<double> kProbesOut{0.01, 0.02, 0.13, 0.45, 0.6, 0.62, 1.0};
+
+// Of the brightest pair between two sides: where f is fainter, errors are relative to that.
+constexpr double kFaint = 1e-8;
+constexpr double kDark = 1e-200;  // [1/sr] less is no light
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What the probes see at one number of nodes. second: the part of order 2 that may be integrated
+// directly instead; rest: all other orders from 2 up.
+struct ProbeModes {
+  std::vector<Parts> second, rest;
+  Parts mean;                     // over the azimuth, of all orders
+  std::array<double, 4> faint{};  // kFaint of the brightest, by part
+  double energy_defect = 0;       // DeterministicAccuracy::energy_defect
+  bool finite = true;             // all of the above
+
+  // What errors are relative to.
+  [[nodiscard]] double scale(int part, Index pair) const {
+    return std::max(mean[part](pair), faint[part]);
+  }
+  // f is no light here, and its digits decide nothing. (What is no number is not dark.)
+  [[nodiscard]] bool is_dark(int part, Index pair) const {
+    return std::abs(mean[part](pair)) <= kDark;
+  }
+  // How far f is below 0 on average over the azimuth, relative to the scale.
+  [[nodiscard]] double below_zero(int part, Index pair) const {
+    return std::max(0.0, -mean[part](pair)) / scale(part, pair);
+  }
+};
+
+// How far the energies of beams along the probes are from what any stack does to light: their sum
+// from 1, and each from 0 where it is negative.
+double energy_defect(const LayerOperator& mean, const DirectionSets& sets, bool below) {
+  const Index nodes = sets.nodes();
+  double defect = 0;
+  for (const OperatorSide* side : {&mean.above, &mean.below}) {
+    if (side == &mean.below && !below) break;
+    for (Index j = nodes; j < sets.in.size(); ++j) {
+      const double reflected = sets.flux.dot(side->r[0].col(j).head(nodes));
+      const double transmitted = sets.flux.dot(side->t[0].col(j).head(nodes));
+      const double absorbed = side->absorbed[j];
+      defect = larger_error(defect,
+                            std::abs(reflected + transmitted + absorbed + side->direct_in[j] - 1));
+      for (const double energy : {reflected, transmitted, absorbed})
+        defect = larger_error(defect, -energy);
+    }
+  }
+  return defect;
+}
+
+struct Limits {
+  double tolerance;
+  int max_modes;
+  std::size_t max_bytes;
+  double seconds;  // left
+  bool steep;
+  const std::atomic<bool>* stop;
+  std::function<void(int modes)> report;
+};
+
+// What the modes left out may add, at the worst probe, but for order 2 of steep media.
+double left_out(const ProbeModes& probes, int parts) {
+  double worst = 0;
+  std::vector<double> modes(probes.rest.size());
+  for (int part = 0; part < parts; ++part)
+    for (Index p = 0; p < probes.mean[part].size(); ++p) {
+      if (probes.is_dark(part, p)) continue;
+      for (std::size_t m = 0; m < modes.size(); ++m)
+        modes[m] = probes.rest[m][part](p) / probes.scale(part, p);
+      worst = larger_error(worst, fit_mode_tail(modes).error);
+    }
+  return worst;
+}
+
+// Stops once four successive modes are below tolerance / 10 at every probe and the estimated tail
+// is below tolerance / 2. If the tail falls too slowly for that, stops at twice the number of modes
+// at which the first test passed.
+ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const Limits& limits,
+                        DeterministicLimit& ended) {
+  const auto start = std::chrono::steady_clock::now();
+  ProbeModes result;
+  const Index nodes = stack.sets().nodes();
+  const int threads = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
+  int quiet = 0, first_quiet = 0;
+  ended = DeterministicLimit::modes;
+  std::vector<LayerOperator> solved(threads);
+  for (int first = 0, count = 0; first < limits.max_modes; first += count) {
+    if (first == stack.ready() && !stack.prepare_more(limits.max_bytes)) {
+      ended = DeterministicLimit::memory;
+      return result;
+    }
+    if (first > 0 && seconds_since(start) > limits.seconds) {
+      ended = DeterministicLimit::time;
+      return result;
+    }
+    if (first > 0 && limits.stop && *limits.stop) {
+      ended = DeterministicLimit::interrupted;
+      return result;
+    }
+    limits.report(first);
+    count = std::min({threads, stack.ready() - first, limits.max_modes - first});
+    oneapi::tbb::parallel_for(0, count, [&](int k) { solved[k] = stack.mode(first + k); });
+    if (first == 0) result.energy_defect = energy_defect(solved[0], stack.sets(), parts > 1);
+    for (int k = 0; k < count; ++k) {
+      const int m = first + k;
+      Parts rest, second;
+      double size = 0;
+      const std::optional<Parts> counted = split ? split->counted(m) : std::nullopt;
+      for (int part = 0; part < parts; ++part) {
+        const Series& series = part_of(solved[k], part);
+        if (m == 0) {
+          result.mean[part] = asked(series[0], nodes);
+          result.finite = result.finite && result.mean[part].allFinite();
+          result.faint[part] = std::max(kFaint * result.mean[part].maxCoeff(), kDark);
+        }
+        rest[part] = asked(series[0] - series[1], nodes);
+        if (limits.steep) {
+          second[part] = counted ? (*counted)[part] : asked(series[2], nodes);
+          rest[part] -= second[part];
+        }
+        result.finite =
+            result.finite && rest[part].allFinite() && (!limits.steep || second[part].allFinite());
+        for (Index i = 0; i < rest[part].size(); ++i)
+          size = std::max(size, 2 * std::abs(rest[part](i)) / result.scale(part, i));
+      }
+      if (!result.finite) {
+        ended = DeterministicLimit::numbers;
+        return result;
+      }
+      result.rest.push_back(std::move(rest));
+      if (limits.steep) result.second.push_back(std::move(second));
+      // Odd and even modes may differ: several small ones in a row end the series.
+      quiet = size < limits.tolerance / 10 ? quiet + 1 : 0;
+      if (quiet < 4) continue;
+      if (first_quiet == 0) first_quiet = m + 1;
+      if (m + 1 >= 2 * first_quiet || left_out(result, parts) <= limits.tolerance / 2) {
+        ended = DeterministicLimit::none;
+        return result;
+      }
+      quiet = 0;
+    }
+  }
+  return result;
+}
+
+// Largest errors over all probes, relative to the scale of f.
+struct Errors {
+  double nodes = 0;         // of all but order 2 of steep media
+  double second_nodes = 0;  // of that order, where few enough of its modes are left out
+  double all = 0;
+};
+
+// coarse: nothing yet at the first number of nodes, where f itself is the bound of its error.
+Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, double tolerance) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  if (fine.rest.empty() || !fine.finite || !std::isfinite(fine.energy_defect))
+    return {kUnknown, 0, kUnknown};
+  if (coarse.rest.empty() || !coarse.finite) return {1, 0, larger_error(1, fine.energy_defect)};
+  Errors worst;
+  double worst_rest = 0;
+  for (int part = 0; part < parts; ++part)
+    for (Index p = 0; p < fine.mean[part].size(); ++p) {
+      if (fine.is_dark(part, p)) continue;
+      const double scale = fine.scale(part, p);
+      struct One {
+        double nodes = 0, left_out = 0;
+      };
+      const auto compare = [&](const std::vector<Parts>& a, const std::vector<Parts>& b) {
+        One one;
+        std::vector<double> modes(b.size());
+        for (std::size_t m = 0; m < b.size(); ++m) {
+          modes[m] = b[m][part](p) / scale;
+          // Modes that only one of the two has belong to the tail.
+          if (m < a.size())
+            one.nodes += (m == 0 ? 1 : 2) * std::abs(b[m][part](p) - a[m][part](p)) / scale;
+        }
+        one.left_out = fit_mode_tail(modes).error;
+        return one;
+      };
+      const One rest = compare(coarse.rest, fine.rest);
+      worst.nodes = larger_error(worst.nodes, rest.nodes + fine.below_zero(part, p));
+      double all = rest.nodes + rest.left_out + fine.below_zero(part, p);
+      worst_rest = larger_error(worst_rest, all);
+      if (!fine.second.empty()) {
+        const One second = compare(coarse.second, fine.second);
+        if (second.left_out <= tolerance / 4) {
+          worst.second_nodes = larger_error(worst.second_nodes, second.nodes);
+          all += second.nodes + second.left_out;
+        }
+      }
+      worst.all = larger_error(worst.all, all);
+    }
+  if (is_second_integrated(worst.second_nodes, tolerance)) worst.all = worst_rest;
+  worst.all = larger_error(worst.all, fine.energy_defect);
+  return worst;
+}
+
+bool channels_equal(const Stack& stack, int a, int b) {
+  return std::all_of(
+             stack.layers.begin(), stack.layers.end(),
+             [&](const Layer& l) { return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b]; }) &&
+         (!stack.substrate || stack.substrate->albedo[a] == stack.substrate->albedo[b]);
+}
+
+}  // namespace
+
+DeterministicSolution solve_deterministic(const Stack& stack, const DeterministicOptions& options) {
+  if (const auto reason = why_not_deterministic(stack)) throw std::invalid_argument(*reason);
+  const auto start = std::chrono::steady_clock::now();
+  DeterministicSolution solution;
+  solution.stack_ = stack;
+  solution.tolerance_ = options.tolerance;
+  solution.steep_ = std::any_of(stack.layers.begin(), stack.layers.end(),
+                                [](const Layer& l) { return is_steep(l.medium); });
+  for (int c = 0; c < 3; ++c) {
+    int same = 0;
+    while (!channels_equal(stack, same, c)) ++same;
+    if (same == c) solution.channels_.push_back(c);
+    solution.channel_of_[c] =
+        static_cast<int>(std::find(solution.channels_.begin(), solution.channels_.end(), same) -
+                         solution.channels_.begin());
+  }
+  const int parts = stack.is_open_below() ? 4 : 1;
+  const std::size_t channels = solution.channels_.size();
+  std::vector<ProbeModes> coarse(channels);
+  DeterministicAccuracy& accuracy = solution.accuracy_;
+  accuracy.error = 1;
+  for (int nodes = options.min_nodes, step = 0;; ++step) {
+    const double begun = seconds_since(start);
+    DeterministicAccuracy now;
+    std::array<int, 3> mode_counts{};
+    std::array<std::array<double, 4>, 3> faint{};
+    now.nodes = nodes;
+    DeterministicLimit ended = DeterministicLimit::none;
+    for (std::size_t k = 0; k < channels; ++k) {
+      const int channel = solution.channels_[k];
+      const DirectionSets sets(nodes, kProbesOut, kProbesIn, grazing_map(stack));
+      StackModes modes(stack, channel, sets, solution.steep_ ? 2 : 1);
+      std::optional<SecondSplit> split;
+      if (solution.steep_) split.emplace(stack, channel, sets);
+      DeterministicLimit this_ended;
+      // Modes that vary much faster than the nodes can follow would be noise.
+      int max_modes = std::min(options.max_modes, 16 * nodes + 24);
+      if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes[channel]);
+      const Limits limits{options.tolerance,
+                          max_modes,
+                          options.max_bytes,
+                          2 * options.max_seconds - seconds_since(start),
+                          solution.steep_,
+                          options.stop,
+                          [&](int done) {
+                            if (options.report)
+                              options.report({.nodes = nodes,
+                                              .modes = done,
+                                              .error = accuracy.error,
+                                              .seconds = seconds_since(start)});
+                          }};
+      ProbeModes fine = solve_probes(modes, split ? &*split : nullptr, parts, limits, this_ended);
+      if (this_ended != DeterministicLimit::none) ended = this_ended;
+      const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);
+      now.node_error = larger_error(now.node_error, errors.nodes);
+      now.second_error = larger_error(now.second_error, errors.second_nodes);
+      now.error = larger_error(now.error, errors.all);
+      now.energy_defect = std::isfinite(errors.all)
+                              ? larger_error(now.energy_defect, fine.energy_defect)
+                              : errors.all;
+      mode_counts[k] = static_cast<int>(fine.rest.size());
+      faint[k] = fine.faint;
+      now.modes = std::max(now.modes, mode_counts[k]);
+      now.bytes = std::max(now.bytes, modes.bytes());
+      coarse[k] = std::move(fine);
+    }
+    for (int c = 0; c < 3; ++c) now.channel_modes[c] = mode_counts[solution.channel_of_[c]];
+    now.reached = now.error <= options.tolerance;
+    const double error_before = accuracy.error;
+    if (step == 0 || now.error <= error_before) {
+      accuracy = now;
+      solution.modes_ = mode_counts;
+      solution.faint_ = faint;
+    }
+    const double seconds = seconds_since(start);
+    const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;
+    const double growth = static_cast<double>(next) / nodes;
+    if (now.reached) break;
+    // More nodes may cure numbers that are not finite, like any other error.
+    if (ended != DeterministicLimit::none && ended != DeterministicLimit::modes &&
+        ended != DeterministicLimit::numbers)
+      accuracy.limit = ended;
+    else if (now.node_error <= options.tolerance / 2 &&
+             (now.second_error <= options.tolerance ||
+              is_second_integrated(now.second_error, options.tolerance)))
+      // More nodes would not help: what is left is the tail of the modes.
+      accuracy.limit = DeterministicLimit::modes;
+    else if (next > options.max_nodes)
+      accuracy.limit = DeterministicLimit::nodes;
+    else if (seconds + growth * growth * growth * (seconds - begun) > options.max_seconds)
+      accuracy.limit = DeterministicLimit::time;
+    else if (static_cast<double>(now.bytes) * growth * growth >
+             static_cast<double>(options.max_bytes))
+      accuracy.limit = DeterministicLimit::memory;
+    if (accuracy.limit != DeterministicLimit::none) break;
+    nodes = next;
+  }
+  if (!std::isfinite(accuracy.error) && accuracy.limit != DeterministicLimit::interrupted)
+    accuracy.limit = DeterministicLimit::numbers;
+  accuracy.seconds = seconds_since(start);
+  return solution;
+}
+
+}  // namespace lamella
