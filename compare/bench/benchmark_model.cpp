@@ -7,6 +7,7 @@
 #include "compare/bench/benchmark.h"
 #include "compare/bench/textbook_models.h"
 #include "compare/request/model_request.h"
+#include "compare/request/stack_parameters.h"
 #include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 

@@ -14,6 +14,7 @@
 #include "compare/request/model_request.h"
 #include "compare/request/numbers.h"
 #include "compare/request/run_monitor.h"
+#include "compare/request/stack_parameters.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"

@@ -10,7 +10,7 @@
 #include <map>
 #include <numbers>
 
-#include "compare/drawing/picture_text.h"
+#include "compare/drawing/printable_text.h"
 
 namespace lamella {
 namespace {

@@ -8,10 +8,6 @@
 
 namespace lamella {
 
-/// UTF-8 that a drawing library takes: bytes that are none become U+FFFD, control characters
-/// blanks.
-[[nodiscard]] std::string printable_text(std::string_view utf8);
-
 /// Of a line, in pixels.
 [[nodiscard]] int text_height(Font font);
 /// Breaks a text at spaces into lines of at most `width` pixels; longer words are cut.

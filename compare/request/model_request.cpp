@@ -7,7 +7,6 @@
 
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/request/errors.h"
-#include "compare/request/stack_parameters.h"
 
 namespace lamella {
 
@@ -152,13 +151,6 @@ std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests
   return all;
 }
 
-BoundModel model_for(const ModelRequest& request, const Stack& stack) {
-  ModelRequest whole = without_stack_key(request, stack);
-  const ModelInfo* info = find_or_load_model(request.name);
-  if (info) whole = with_stack_parameters(std::move(whole), *info, stack);
-  return bind_model(whole, &stack);
-}
-
 std::vector<std::string> told_parameters(const BoundModel& model) {
   std::vector<std::string> told;
   for (const ParameterInfo& info : parameters_of(*model.info, model.parameters))
@@ -181,13 +173,6 @@ std::string told_parameters(const BoundModel& model, int indent, int width) {
   }
   end_line("");
   return text;
-}
-
-std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests, const Stack& stack) {
-  std::vector<BoundModel> bound;
-  for (const ModelRequest& request : requests_for(requests, stack))
-    bound.push_back(model_for(request, stack));
-  return bound;
 }
 
 double nanoseconds_per_eval(const Model& model) {

@@ -55,18 +55,10 @@ struct BoundModel {
 [[nodiscard]] std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests,
                                                      const Stack& stack);
 
-/// A model for a stack: what the request leaves open comes from the stack, where both have a name
-/// for it (stack_parameters.h). The key `stack` may name that stack once more.
-[[nodiscard]] BoundModel model_for(const ModelRequest& request, const Stack& stack);
-
 /// "key = value (source)" of every parameter, in the model's order.
 [[nodiscard]] std::vector<std::string> told_parameters(const BoundModel& model);
 /// The same as lines of at most `width` columns, each after `indent` blanks and ended by '\n'.
 [[nodiscard]] std::string told_parameters(const BoundModel& model, int indent, int width = 100);
-
-/// The models to judge on a stack: those asked for, or else all that apply to it.
-[[nodiscard]] std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests,
-                                                 const Stack& stack);
 
 /// The models' names; where one is there several times, with a number each: for files and columns.
 [[nodiscard]] std::vector<std::string> distinct_names(const std::vector<BoundModel>& models);

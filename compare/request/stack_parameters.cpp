@@ -121,4 +121,18 @@ ModelRequest without_stack_key(ModelRequest request, const Stack& of) {
   return request;
 }
 
+BoundModel model_for(const ModelRequest& request, const Stack& stack) {
+  ModelRequest whole = without_stack_key(request, stack);
+  const ModelInfo* info = find_or_load_model(request.name);
+  if (info) whole = with_stack_parameters(std::move(whole), *info, stack);
+  return bind_model(whole, &stack);
+}
+
+std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests, const Stack& stack) {
+  std::vector<BoundModel> bound;
+  for (const ModelRequest& request : requests_for(requests, stack))
+    bound.push_back(model_for(request, stack));
+  return bound;
+}
+
 }  // namespace lamella

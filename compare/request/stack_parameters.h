@@ -16,4 +16,12 @@ namespace lamella {
 /// the key names another stack than `of`, the one that the command is about, or says nothing.
 [[nodiscard]] ModelRequest without_stack_key(ModelRequest request, const Stack& of);
 
+/// A model for a stack: what the request leaves open comes from the stack, where both have a name
+/// for it. The key `stack` may name that stack once more.
+[[nodiscard]] BoundModel model_for(const ModelRequest& request, const Stack& stack);
+
+/// The models to judge on a stack: those asked for, or else all that apply to it.
+[[nodiscard]] std::vector<BoundModel> models_for(const std::vector<ModelRequest>& requests,
+                                                 const Stack& stack);
+
 }  // namespace lamella

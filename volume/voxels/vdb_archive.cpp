@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "phase/parameters/one_line.h"
-#include "volume/voxels/vdb_file.h"
+#include "volume/voxels/vdb_request.h"
 
 namespace lamella {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "volume/voxels/vdb_archive.h"
-#include "volume/voxels/vdb_file.h"
+#include "volume/voxels/vdb_request.h"
 
 namespace lamella {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "volume/voxels/vdb_file.h"
+#include "volume/voxels/vdb_request.h"
 
 namespace lamella {
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "compare/drawing/picture_text.h"
+#include "compare/drawing/printable_text.h"
 #include "tests/compare/drawing/decoded_png.h"
 
 namespace lamella {
