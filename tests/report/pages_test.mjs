@@ -185,9 +185,13 @@ test("closed forms that are timed by themselves have a plot", async () => {
   assert.equal(await page.locator("#front tbody tr").count(), judged.size);
   const legend = await page.locator(".legend").first().textContent();
   for (const name of judged) assert.ok(legend.includes(name), name);
-  for (const width of [390, 1280]) {
+  for (const width of [390, 1100, 1280]) {
     await page.setViewportSize({width, height: 800});
     await fitsTheWidth(page);
+    // No label is cut off at the edge.
+    const cut = await page.evaluate(() => [...document.querySelectorAll(".chart svg")].flatMap((svg) => [...svg.querySelectorAll("text")]
+      .filter((t) => t.getBoundingClientRect().right > svg.getBoundingClientRect().right + .5).map((t) => t.textContent)));
+    assert.deepEqual(cut, []);
   }
   assert.deepEqual(complaints, []);
   await page.close();

@@ -70,7 +70,8 @@ export function bench(page, answer) {
               within(r.error_low ?? r.error, bottom, top), within(r.error_high ?? r.error, bottom, top), r.bound ? 1 : 0]), modelColor(k)),
             {type: "line", name: m, symbol: modelSymbol(k), symbolSize: 11, z: 5,
               // Names stand beside each method's cheapest point, and move apart; where there is no room the legend has them.
-              data: mine.map((r, i) => ({value: [r.ns_per_eval, r.error], row: r, label: {show: i === 0 && width > 560}})),
+              data: mine.map((r, i) => ({value: [r.ns_per_eval, r.error], row: r,
+                label: {show: i === 0 && width > 560, position: share(r.ns_per_eval, left, right) > .75 ? "left" : "right"}})),
               lineStyle: {color: modelColor(k), type: modelDash(k), width: mine.length > 1 ? 2 : 0}, itemStyle: {color: modelColor(k)},
               label: {formatter: m, position: "right", distance: 9, color: p.text, textBorderColor: p.back, textBorderWidth: 2},
               labelLayout: layout}];
