@@ -45,6 +45,17 @@ void print(std::FILE* out, const Stack& stack, const GrainMeasurement& m) {
     line("extinction", m.extinction,
          "1/mm: the mean over all directions, a quarter of the surface");
   }
+  if (!m.profile.empty()) {
+    fmt::print(
+        out,
+        "\n  profile from the surface inwards (z in mm)\n  {:>12} {:>12} {:>9} {:>9} {:>9} {:>9}\n",
+        "from", "to", "packing", "+-", "filled", "+-");
+    for (const ProfileSlice& s : m.profile)
+      fmt::print(out, "  {:>12.5g} {:>12.5g} {:>9.4f} {:>9.1e} {:>9.4f} {:>9.1e}\n", s.z_from,
+                 s.z_to, s.packing.value, s.packing.standard_error, s.filled.value,
+                 s.filled.standard_error);
+    fmt::print(out, "\n");
+  }
   line("passed", m.passed, "share of diffuse light from above that meets no grain");
   if (m.vmf.roughness.value > 0) {
     line("vMF roughness", m.vmf.roughness, "r of the normals that light from above meets first");
@@ -77,6 +88,12 @@ Json to_json(const GrainMeasurement& m, bool bed) {
       out["projected_area"].push_back(std::move(entry));
     }
     out["extinction"] = to_json(m.extinction);
+    out["profile"] = Json::array();
+    for (const ProfileSlice& s : m.profile)
+      out["profile"].push_back({{"z_from", s.z_from},
+                                {"z_to", s.z_to},
+                                {"packing", to_json(s.packing)},
+                                {"filled", to_json(s.filled)}});
   }
   out["passed"] = to_json(m.passed);
   out["vmf_roughness"] = to_json(m.vmf.roughness);

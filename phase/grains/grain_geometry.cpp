@@ -20,22 +20,26 @@ constexpr int kTrials = 200000;
 double sphere_volume(double radius) { return 4 * kPi / 3 * radius * radius * radius; }
 
 /// The spheres that stand so far, found by the cell of a grid they lie in: cells of an edge of at
-/// least a diameter, so that only neighbours can overlap. Periodic in x and y.
+/// least a diameter, so that only neighbours can overlap. Periodic in x and y, and in z where the
+/// bed is cut.
 class Packing {
  public:
   explicit Packing(const GrainGeometry& g)
       : g_(g),
         nx_(std::max(1, static_cast<int>(g.tile / (2 * g.radius)))),
-        nz_(std::max(1, static_cast<int>(g.thickness / (2 * g.radius)))),
+        nz_(std::max(1, static_cast<int>(g.packed_height() / (2 * g.radius)))),
         cells_(static_cast<std::size_t>(nx_) * nx_ * nz_) {}
 
   [[nodiscard]] bool has_room_for(Direction p) const {
     const int x = lateral(p.x), y = lateral(p.y), z = level(p.z);
     // A grid of fewer than three cells would name a neighbour twice: harmless.
-    for (int k = std::max(0, z - 1); k <= std::min(nz_ - 1, z + 1); ++k)
+    const int from = g_.cut ? z - 1 : std::max(0, z - 1);
+    const int to = g_.cut ? z + 1 : std::min(nz_ - 1, z + 1);
+    for (int k = from; k <= to; ++k)
       for (int j = y - 1; j <= y + 1; ++j)
         for (int i = x - 1; i <= x + 1; ++i)
-          for (const Direction& q : cells_[index((i + nx_) % nx_, (j + nx_) % nx_, k)])
+          for (const Direction& q :
+               cells_[index((i + nx_) % nx_, (j + nx_) % nx_, (k + nz_) % nz_)])
             if (overlap(p, q)) return false;
     return true;
   }
@@ -46,7 +50,8 @@ class Packing {
     return std::min(nx_ - 1, static_cast<int>(x / g_.tile * nx_));
   }
   [[nodiscard]] int level(double z) const {
-    return g_.thickness > 0 ? std::min(nz_ - 1, static_cast<int>(-z / g_.thickness * nz_)) : 0;
+    const double height = g_.packed_height();
+    return height > 0 ? std::min(nz_ - 1, static_cast<int>(-z / height * nz_)) : 0;
   }
   [[nodiscard]] std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * nx_ + y) * nx_ + x;
@@ -55,6 +60,7 @@ class Packing {
     Direction d = p - q;
     d.x -= g_.tile * std::round(d.x / g_.tile);
     d.y -= g_.tile * std::round(d.y / g_.tile);
+    if (g_.cut) d.z -= g_.packed_height() * std::round(d.z / g_.packed_height());
     return dot(d, d) < 4 * g_.radius * g_.radius;
   }
 
@@ -64,7 +70,10 @@ class Packing {
 };
 
 std::vector<Direction> packed(const GrainGeometry& g, RandomStream& stream) {
-  const auto count = static_cast<std::size_t>(g.expected_count() + stream.uniform());
+  const double height = g.packed_height();
+  const double expected =
+      g.cut ? g.number_density() * g.tile * g.tile * height : g.expected_count();
+  const auto count = static_cast<std::size_t>(expected + stream.uniform());
   std::vector<Direction> centres;
   centres.reserve(count);
   Packing packing(g);
@@ -75,11 +84,13 @@ std::vector<Direction> packed(const GrainGeometry& g, RandomStream& stream) {
       if (trial++ == kTrials)
         throw PackingError(g.packing, g.packing * static_cast<double>(centres.size()) /
                                           static_cast<double>(count));
-      p = {g.tile * stream.uniform(), g.tile * stream.uniform(), -g.thickness * stream.uniform()};
+      p = {g.tile * stream.uniform(), g.tile * stream.uniform(), -height * stream.uniform()};
     } while (!packing.has_room_for(p));
     packing.add(p);
     centres.push_back(p);
   }
+  // Every height of a periodic box is like every other.
+  if (g.cut) std::erase_if(centres, [&](Direction p) { return p.z < -g.thickness; });
   return centres;
 }
 
@@ -144,6 +155,18 @@ std::vector<ParameterInfo> bed_parameters(ParameterInfo packing) {
           tile()};
 }
 
+std::vector<ParameterInfo> packed_parameters() {
+  auto list = bed_parameters(
+      number("packing", "1", "number density times the volume of a sphere", 0, 0.384));
+  list.push_back({.name = "cut",
+                  .kind = ParameterKind::choice,
+                  .unit = "1",
+                  .doc = "true: the bed is cut from a larger packing, as dense at its surface as "
+                         "inside; false (default): centres crowd at its two ends",
+                  .choices = {"false", "true"}});
+  return list;
+}
+
 }  // namespace
 
 double GrainGeometry::number_density() const {
@@ -151,7 +174,17 @@ double GrainGeometry::number_density() const {
 }
 
 double GrainGeometry::expected_count() const {
-  return number_density() * tile * tile * (is_bed() ? thickness : 1);
+  const GrainGeometry g = in_units();
+  return g.number_density() * g.tile * g.tile * (is_bed() ? g.thickness : 1);
+}
+
+double GrainGeometry::length_unit() const { return std::ldexp(1.0, std::ilogb(radius)); }
+
+GrainGeometry GrainGeometry::in_units() const {
+  GrainGeometry g = *this;
+  const double unit = length_unit();
+  for (double* length : {&g.radius, &g.thickness, &g.tile}) *length /= unit;
+  return g;
 }
 
 PackingError::PackingError(double asked, double reached)
@@ -163,8 +196,12 @@ PackingError::PackingError(double asked, double reached)
 std::vector<Direction> place_grains(const GrainGeometry& geometry, std::uint64_t seed,
                                     std::uint64_t realisation) {
   RandomStream stream(seed, realisation, StreamPurpose::geometry);
-  return geometry.placement == GrainPlacement::packed_sphere_bed ? packed(geometry, stream)
-                                                                 : scattered(geometry, stream);
+  const GrainGeometry g = geometry.in_units();
+  std::vector<Direction> centres =
+      g.placement == GrainPlacement::packed_sphere_bed ? packed(g, stream) : scattered(g, stream);
+  if (const double unit = geometry.length_unit(); unit != 1)
+    for (Direction& p : centres) p = unit * p;
+  return centres;
 }
 
 const std::vector<GeometryInfo>& geometries() {
@@ -182,8 +219,7 @@ const std::vector<GeometryInfo>& geometries() {
        .placement = GrainPlacement::packed_sphere_bed,
        .doc = "equal spheres that do not overlap, by random sequential addition",
        .source = "Torquato 2002, Random Heterogeneous Materials",
-       .parameters = bed_parameters(
-           number("packing", "1", "number density times the volume of a sphere", 0, 0.384))},
+       .parameters = packed_parameters()},
       {.name = "micrograins",
        .placement = GrainPlacement::micrograins,
        .doc = "half ellipsoids on the substrate (black if there is none), their centres a Poisson "
@@ -227,6 +263,7 @@ GrainGeometry make_geometry(const GeometryInfo& info, Parameters& p) {
   g.radius = needed("radius");
   if (g.is_bed()) {
     g.packing = needed("packing");
+    g.cut = p.has("cut") && p.choice("cut") == "true";
     g.thickness = needed("thickness");
   } else {
     g.tau0 = needed("tau0");
@@ -256,18 +293,20 @@ GrainGeometry make_geometry(const GeometryInfo& info, Parameters& p) {
           "tile", to_text(g.tile),
           fmt::format("a number in [{}, inf), four radii or more", to_text(4 * g.radius)));
   } else {
-    g.tile = 1;
+    g.tile = g.length_unit();
     const double one = g.expected_count();
+    const double usual = std::sqrt(kUsualGrains / one) * g.length_unit();
     g.tile = kUsualTile * g.radius;
-    if (g.is_bed()) g.tile = std::max(g.tile, std::sqrt(kUsualGrains / one));
+    if (g.is_bed()) g.tile = std::max(g.tile, usual);
     p.set("tile", g.tile);
   }
-  if (!(g.expected_count() <= kMostGrains))
+  const double most = g.expected_count() * (g.packed_height() / g.thickness);
+  if (g.is_bed() ? !(most <= kMostGrains) : !(g.expected_count() <= kMostGrains))
     throw ParameterError(
         "tile", to_text(g.tile),
         fmt::format("one with {:g} grains at most: {:.3g} stand in it (tile, thickness or packing "
                     "are too large, or the radius is too small)",
-                    kMostGrains, g.expected_count()));
+                    kMostGrains, g.is_bed() ? most : g.expected_count()));
   return g;
 }
 

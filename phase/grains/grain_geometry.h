@@ -42,12 +42,23 @@ struct GrainGeometry {
   double beta = 1;       ///< height over radius in (0, 1]; 1 for beds
   double tile = 1;       ///< lateral period, at least 4 radii
   double ior = 1.5;      ///< of a dielectric, above 1
+  /// Packed beds: cut from a packing without ends, so that the density is the same at every depth.
+  /// Otherwise the centres fill [-thickness, 0] between walls, and crowd at them.
+  bool cut = false;
 
   [[nodiscard]] bool is_bed() const { return placement != GrainPlacement::micrograins; }
+  /// The power of two next below the radius [mm], and the same geometry with lengths in that unit:
+  /// its radius lies in [1, 2), so that squares and cubes of lengths are numbers at any radius, and
+  /// what is computed in it is, bit by bit, what would be in mm.
+  [[nodiscard]] double length_unit() const;
+  [[nodiscard]] GrainGeometry in_units() const;
   /// Centres per volume [1/mm^3] of a bed, per area [1/mm^2] of micrograins.
   [[nodiscard]] double number_density() const;
   /// Mean number of grains in a tile.
   [[nodiscard]] double expected_count() const;
+  /// Height of the box that a packed bed is packed in: of a cut one it is periodic and taller by
+  /// eight radii, beyond which centres know nothing of each other.
+  [[nodiscard]] double packed_height() const { return cut ? thickness + 8 * radius : thickness; }
   /// Heights between which light meets grains: it enters at `top`.
   [[nodiscard]] double top() const { return is_bed() ? radius : beta * radius; }
   [[nodiscard]] double bottom() const { return is_bed() ? -thickness - radius : 0; }
@@ -63,7 +74,8 @@ struct PackingError : std::runtime_error {
 
 /// Centres of the grains of one realisation, x and y in [0, tile). The same for equal arguments.
 /// Poisson placements: their number is Poisson's, and beds come sorted from the top. Packed beds:
-/// as many as the packing says, a fraction decided at random. Throws PackingError.
+/// as many as the packing says (of cut ones: in the taller box), a fraction decided at random.
+/// Throws PackingError.
 [[nodiscard]] std::vector<Direction> place_grains(const GrainGeometry& geometry, std::uint64_t seed,
                                                   std::uint64_t realisation);
 

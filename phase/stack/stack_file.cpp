@@ -177,7 +177,10 @@ class Reader {
         if (std::find(also.begin(), also.end(), key.str()) != also.end()) continue;
         fail(key.source(), unknown_key(key.str(), allowed, where));
       }
-      const auto value = to_value(node);
+      auto value = to_value(node);
+      // true and false are words of a choice.
+      if (const auto* flag = node.as_boolean(); flag && info->kind == ParameterKind::choice)
+        value = std::string(flag->get() ? "true" : "false");
       if (!value)
         fail(node.source(), fmt::format("{}: key \"{}\": found {}; allowed: {}", where, info->name,
                                         described(node), allowed_values(*info)));

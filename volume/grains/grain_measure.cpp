@@ -33,7 +33,30 @@ struct Counts {
   std::array<double, 3> projected{};
   std::array<double, kNormalBins> normals{}, first{};
   std::array<double, kFine> normal_cosines{}, ray_cosines{};  // of first hits
+  std::array<double, kProfileSlices> centres{}, slice_points{}, slice_filled{};
 };
+
+// Slices of the profile that lie within the bed, its lower spheres included.
+int slices_of(const GrainGeometry& g) {
+  const double depth = (kProfileTop * g.radius - g.bottom()) / (kProfileStep * g.radius);
+  return std::min(kProfileSlices, static_cast<int>(depth + 1e-9));
+}
+
+void measure_profile(const GrainGeometry& g, const std::vector<Direction>& centres,
+                     const GrainScene& scene, std::uint64_t points, RandomStream& stream,
+                     Counts& counts) {
+  const int slices = slices_of(g);
+  const double top = kProfileTop * g.radius, step = kProfileStep * g.radius;
+  for (const Direction& p : centres)
+    if (const int k = static_cast<int>((top - p.z) / step); k < slices) ++counts.centres[k];
+  for (std::uint64_t k = 0; k < points; ++k) {
+    const double x = g.tile * stream.uniform(), y = g.tile * stream.uniform();
+    const double at = slices * stream.uniform();
+    const int slice = std::min(slices - 1, static_cast<int>(at));
+    ++counts.slice_points[slice];
+    counts.slice_filled[slice] += scene.is_inside({x, y, top - at * step});
+  }
+}
 
 /// Ratio of two means over realisations with its standard error (delta method).
 template <class Top, class Bottom>
@@ -99,6 +122,7 @@ Counts measure_one(const GrainGeometry& g, std::uint64_t seed, std::uint64_t num
     ++counts.normal_cosines[bin_of(hit.normal.z, kFine)];
     ++counts.ray_cosines[bin_of(w.z, kFine)];
   }
+  if (g.is_bed()) measure_profile(g, centres, scene, rays, stream, counts);
   return counts;
 }
 
@@ -187,9 +211,11 @@ NormalFit fit(const std::vector<FirstHits>& groups, const FirstHits& all, double
 
 }  // namespace
 
-GrainMeasurement measure_grains(const GrainGeometry& g, std::uint64_t seed,
+GrainMeasurement measure_grains(const GrainGeometry& in_mm, std::uint64_t seed,
                                 std::uint64_t realisations, std::uint64_t rays) {
   GrainScene::require_available();
+  const GrainGeometry g = in_mm.in_units();
+  const double unit = in_mm.length_unit();
   std::vector<Counts> all(realisations);
   tbb::parallel_for(std::uint64_t{0}, realisations,
                     [&](std::uint64_t k) { all[k] = measure_one(g, seed, k, rays); });
@@ -211,11 +237,27 @@ GrainMeasurement measure_grains(const GrainGeometry& g, std::uint64_t seed,
       return c.surface_points > 0 ? c.grains * sphere * sum / c.surface_points : 0.0;
     };
     const auto empty = [&](const Counts& c) { return volume * (1 - c.filled / c.points); };
-    m.surface_area = ratio(
-        all, [&](const Counts& c) { return per_point(c, c.exposed); }, empty);
+    const auto per_mm = [&](Estimate e) {
+      return Estimate{e.value / unit, e.standard_error / unit};
+    };
+    m.surface_area = per_mm(ratio(
+        all, [&](const Counts& c) { return per_point(c, c.exposed); }, empty));
     for (std::size_t j = 0; j < kAreaCosines.size(); ++j)
-      m.projected_area[j] = ratio(
-          all, [&](const Counts& c) { return per_point(c, c.projected[j]); }, empty);
+      m.projected_area[j] = per_mm(ratio(
+          all, [&](const Counts& c) { return per_point(c, c.projected[j]); }, empty));
+    const double slice_volume = g.tile * g.tile * kProfileStep * g.radius;
+    for (int k = 0; k < slices_of(g); ++k) {
+      const double z = (kProfileTop - k * kProfileStep) * g.radius;
+      m.profile.push_back(
+          {.z_from = unit * z,
+           .z_to = unit * (z - kProfileStep * g.radius),
+           .packing = ratio(
+               all, [&](const Counts& c) { return c.centres[k] * sphere * g.radius / 3; },
+               [&](const Counts&) { return slice_volume; }),
+           .filled = ratio(
+               all, [&](const Counts& c) { return c.slice_filled[k]; },
+               [&](const Counts& c) { return c.slice_points[k]; })});
+    }
     m.extinction = {m.surface_area.value / 4, m.surface_area.standard_error / 4};
     for (int k = 0; k < kNormalBins; ++k)
       m.normals[k] = ratio(

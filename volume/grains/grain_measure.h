@@ -11,6 +11,18 @@ namespace lamella {
 
 /// Cosines of normals, in equal steps over [-1, 1].
 inline constexpr int kNormalBins = 20;
+/// Slices of a bed's profile, each half a radius high, from one radius above the topmost centres
+/// downwards.
+inline constexpr int kProfileSlices = 20;
+inline constexpr double kProfileStep = 0.5;  ///< in radii
+inline constexpr double kProfileTop = 1;     ///< in radii above z = 0
+
+/// One slice of a bed, at z from `z_from` down to `z_to` [mm].
+struct ProfileSlice {
+  double z_from = 0, z_to = 0;
+  Estimate packing;  ///< centres per volume times the volume of a sphere
+  Estimate filled;   ///< share of the volume inside of grains
+};
 
 /// A statistical medium's normals fitted to those that light from above meets first, by maximum
 /// likelihood: flakes with the distribution D show the light from w the normal m with the density
@@ -25,7 +37,10 @@ struct GrainMeasurement {
   std::uint64_t realisations = 0, rays = 0;
 
   // Beds, inside: at least a radius (two, of packed beds) away from both ends.
-  Estimate filled;        ///< share of the volume inside of grains
+  Estimate filled;  ///< share of the volume inside of grains
+  /// From the surface inwards: where centres crowd at the ends of a bed, light meets them first.
+  /// Slices that reach below the bed are left out.
+  std::vector<ProfileSlice> profile{};
   Estimate exposed;       ///< share of the grains' surface that lies in no other grain
   Estimate surface_area;  ///< exposed surface per volume outside of grains [1/mm]
   /// Exposed surface projected along w per volume outside of grains [1/mm], for w at the cosines

@@ -71,7 +71,8 @@ RTCDevice device() {
 }  // namespace
 
 struct GrainScene::Implementation {
-  GrainGeometry geometry;
+  double unit = 1;          // mm; all lengths below are in it, so that Embree's floats hold them
+  GrainGeometry geometry;   // its radius in [1, 2)
   std::vector<Ball> balls;  // those that reach over the edge of the tile once more on the far side
   double radius2 = 0, pad = 0;
   double highest = -kInfinity, lowest = kInfinity;  // of any grain, not stretched
@@ -137,7 +138,8 @@ struct GrainScene::Implementation {
   void build(std::span<const Direction> centres) {
     const double tile = geometry.tile, r = geometry.radius;
     balls.reserve(centres.size() + centres.size() / 4);
-    for (const Direction& p : centres) {
+    for (const Direction& centre : centres) {
+      const Direction p = (1 / unit) * centre;
       for (int i = p.x > tile - r ? -1 : 0; i <= (p.x < r ? 1 : 0); ++i)
         for (int j = p.y > tile - r ? -1 : 0; j <= (p.y < r ? 1 : 0); ++j)
           balls.push_back({p.x + i * tile, p.y + j * tile, p.z / geometry.beta});
@@ -268,18 +270,22 @@ struct GrainScene::Implementation {
 
 GrainScene::GrainScene(const GrainGeometry& geometry, std::span<const Direction> centres)
     : implementation_(std::make_unique<Implementation>()) {
-  implementation_->geometry = geometry;
+  implementation_->unit = geometry.length_unit();
+  implementation_->geometry = geometry.in_units();
   implementation_->build(centres);
 }
 
 GrainScene::~GrainScene() = default;
 
 GrainHit GrainScene::trace(Direction origin, Direction d) const {
-  return implementation_->follow(origin, d, false);
+  const double unit = implementation_->unit;
+  GrainHit hit = implementation_->follow((1 / unit) * origin, d, false);
+  hit.point = unit * hit.point;
+  return hit;
 }
 
 bool GrainScene::is_free(Direction origin, Direction d) const {
-  const RayEnd end = implementation_->follow(origin, d, true).end;
+  const RayEnd end = implementation_->follow((1 / implementation_->unit) * origin, d, true).end;
   return end == RayEnd::up || end == RayEnd::down;
 }
 
@@ -288,7 +294,7 @@ bool GrainScene::is_inside(Direction point) const {
   const Implementation& self = *implementation_;
   const double stretch = 1 / self.geometry.beta;
   Query q;
-  q.o = self.wrapped(point);
+  q.o = self.wrapped((1 / self.unit) * point);
   q.o.z *= stretch;
   q.d = {0, 0, 1};
   self.ask(q, 0.25 * self.geometry.radius);

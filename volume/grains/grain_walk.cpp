@@ -258,7 +258,7 @@ void Walker<C>::walk(std::uint64_t index) {
 
 GrainSetting::GrainSetting(const Stack& stack, Direction incident_, std::uint64_t seed_,
                            std::uint64_t max_order_)
-    : geometry(*stack.grains()),
+    : geometry(stack.grains()->in_units()),
       albedo(stack.layers[0].albedo),
       f0(stack.layers[0].f0),
       has_substrate(stack.substrate.has_value()),

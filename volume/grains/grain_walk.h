@@ -22,7 +22,7 @@ enum class GrainScores {
 struct GrainSetting {
   GrainSetting(const Stack& stack, Direction incident, std::uint64_t seed, std::uint64_t max_order);
 
-  GrainGeometry geometry;
+  GrainGeometry geometry;  ///< in_units: what a walk finds does not depend on the scale
   Rgb albedo, f0;
   bool has_substrate;
   Rgb substrate_albedo;
