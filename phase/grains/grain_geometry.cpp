@@ -217,7 +217,9 @@ const std::vector<GeometryInfo>& geometries() {
                   0, kInfinity))},
       {.name = "packed_sphere_bed",
        .placement = GrainPlacement::packed_sphere_bed,
-       .doc = "equal spheres that do not overlap, by random sequential addition",
+       .doc = "equal spheres that do not overlap, by random sequential addition; denser at its two "
+              "ends "
+              "unless cut = true",
        .source = "Torquato 2002, Random Heterogeneous Materials",
        .parameters = packed_parameters()},
       {.name = "micrograins",
