@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "compare/options/options.h"
+#include "compare/request/run_monitor.h"
 
 namespace lamella {
 
@@ -16,8 +18,21 @@ inline constexpr int kDone = 0, kFailed = 1, kUsage = 2, kInvalidNumbers = 3;
 /// messages.
 int simulate_command(const Options& options);
 /// `pictures`: names of their formats; none: PNG where this build has Cairo. So below.
-int compare_command(const Options& options, const std::vector<std::string>& pictures = {});
+int compare_command(const Options& options, const std::vector<std::string>& pictures);
 int furnace_command(const Options& options);
+
+/// What a command answers, and the exit status that it stands for.
+struct CommandAnswer {
+  nlohmann::ordered_json json;
+  int status = kDone;
+};
+/// What compare and furnace answer for a stack, nothing printed and no file written: for points of
+/// a sweep.
+[[nodiscard]] CommandAnswer compare_answer(const Options& options, const Stack& stack,
+                                           const RunMonitor& monitor);
+[[nodiscard]] CommandAnswer furnace_answer(const Options& options, const Stack& stack,
+                                           const RunMonitor& monitor);
+
 /// Depth profiles in the place of the stack's grids, and what that costs.
 int homogenise_command(const Options& options);
 int bench_command(const Options& options);

@@ -7,11 +7,11 @@
 #include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
 #include "compare/judge/model_furnace.h"
+#include "compare/judge/statistics.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
 #include "compare/request/errors.h"
-#include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/stack_parameters.h"
 #include "compare/request/substrate_model.h"
@@ -60,18 +60,18 @@ std::string worse(const std::string& a, const std::string& b) {
   return "pass";
 }
 
-// `given`: the stack as it was given; that of `truth` is as the furnace has it.
-int model_furnace(const Options& options, const Stack& given, const TruthRequest& truth) {
+// The furnace of models. `given`: the stack as it was given, if `of_stack_given`; that of
+// `truth` is as the furnace has it. `out`: where the table goes, if anywhere.
+CommandAnswer model_furnace(const Options& options, const Stack& given, bool of_stack_given,
+                            const TruthRequest& truth, std::FILE* out) {
   const Stack& stack = truth.stack;
   Json answer = json_header("furnace", truth);
   Json list = Json::array();
   std::string overall = "pass";
-  bool needs_stack = false;
   const double tolerance = options.max_error.value_or(kModelTolerance);
-  std::FILE* out = table_stream(options);
   for (ModelRequest request : model_requests(options)) {
     const ModelInfo* info = find_or_load_model(request.name);
-    bool of_stack = !options.stack.empty();
+    bool of_stack = of_stack_given;
     Stack own = stack;
     if (info && info->needs_stack && !of_stack) {
       const auto key = std::find_if(request.values.begin(), request.values.end(),
@@ -98,7 +98,7 @@ int model_furnace(const Options& options, const Stack& given, const TruthRequest
     // Without a stack that was asked for a model takes nothing from one.
     const BoundModel bound =
         of_stack ? model_for(with_fitted_lobes(request, own), own) : bind_model(request, nullptr);
-    if (!options.quiet) fmt::print(out, "{}\n{}", bound.info->name, told_parameters(bound, 4));
+    if (out) fmt::print(out, "{}\n{}", bound.info->name, told_parameters(bound, 4));
     Json runs = Json::array();
     for (const Direction wi : truth.directions) {
       const ModelFurnace furnace = judge_model_furnace(*bound.model, wi, options.as_is, tolerance);
@@ -113,7 +113,7 @@ int model_furnace(const Options& options, const Stack& given, const TruthRequest
                       {"ended_by", to_text(furnace.end)},
                       {"verdict", verdict},
                       {"loss_or_gain", direction}});
-      if (!options.quiet)
+      if (out)
         fmt::print(out, "{} theta_i {:g}: energy {:.6f} {:.6f} {:.6f} +- {:.1e}{}, {}\n",
                    bound.info->name, theta_degrees(wi), energy.r, energy.g, energy.b, error.max(),
                    furnace.end == IntegralEnd::tolerance
@@ -121,7 +121,6 @@ int model_furnace(const Options& options, const Stack& given, const TruthRequest
                        : fmt::format(" ({})", reason_of(furnace.end)),
                    told(verdict, direction));
     }
-    needs_stack = needs_stack || bound.info->needs_stack;
     Json parameters = Json::object();
     for (const auto& [key, value] : bound.parameters.all()) parameters[key] = to_json(value);
     list.push_back({{"name", bound.info->name},
@@ -138,31 +137,28 @@ int model_furnace(const Options& options, const Stack& given, const TruthRequest
       "of the energy decides",
       options.as_is ? fmt::format("the energy is at most 1 + {:g}", tolerance)
                     : fmt::format("the energy is 1 within {:g}", tolerance));
-  if (!options.quiet) fmt::print(out, "{}\n{}\n", overall, answer["criterion"].get<std::string>());
-  if (!options.html.empty())
-    write_report_page(options.html, "White furnace of closed forms", answer,
-                      {{"needs_stack", needs_stack}});
-  write_json(answer, options.json);
-  return status_of(overall, options);
+  if (out) fmt::print(out, "{}\n{}\n", overall, answer["criterion"].get<std::string>());
+  return {std::move(answer), status_of(overall, options)};
 }
 
-}  // namespace
+// Whether the page of models is about the stack, too.
+bool needs_stack(const Options& options) {
+  const std::vector<ModelRequest> requests = model_requests(options);
+  return std::any_of(requests.begin(), requests.end(), [](const ModelRequest& request) {
+    const ModelInfo* info = find_or_load_model(request.name);
+    return info && info->needs_stack;
+  });
+}
 
-int furnace_command(const Options& options) {
-  if (!options.html.empty()) check_output_file(options.html);
-  const Stack given = stack_of(options);
-  TruthRequest request =
-      truth_request(options, options.as_is ? given : with_surface_model(whitened(given)));
-  if (!options.models.empty()) return model_furnace(options, given, request);
+CommandAnswer stack_furnace(const Options& options, TruthRequest request, const RunMonitor& monitor,
+                            std::FILE* out) {
   request.cells = kFurnaceGrid;
   const Stack& stack = request.stack;
-  GroundTruth truth(request, Estimator::next_event, terminal_monitor(options));
+  GroundTruth truth(request, Estimator::next_event, monitor);
   const Plan& plan = truth.plan();
   const std::vector<Direction>& directions = truth.directions();
-  const double level = -std::expm1(std::log1p(-kFalseAlarm) /
-                                   static_cast<double>(directions.size() * plan.channels));
-  std::FILE* out = table_stream(options);
-  if (!options.quiet)
+  const double level = sidak_level(kFalseAlarm, directions.size() * plan.channels);
+  if (out)
     fmt::print(out,
                "{}: furnace{}, {}\n  {:>7} {:>10} {:>9} {:>10} {:>10} {:>10} {:>10} "
                "{:>10}  {}\n",
@@ -188,7 +184,7 @@ int furnace_command(const Options& options) {
     cut = cut || furnace.is_cut;
     few = few || furnace.has_few_events;
     const RunResult& run = furnace.run;
-    if (!options.quiet)
+    if (out)
       for (int c = 0; c < plan.channels; ++c)
         fmt::print(out,
                    "  {:>7g} {:>10.8f} {:>9.1e} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} "
@@ -201,15 +197,15 @@ int furnace_command(const Options& options) {
     const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
                                       [](const Layer& l) { return is_delta(l.medium); });
     if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
-        !specular && !user_interrupt) {
-      const RadianceCheck check = run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
-                                                   : check_radiance(stack, plan, wi, run.walks,
-                                                                    options.seed, &user_interrupt);
+        !specular && !truth.is_stopped()) {
+      const RadianceCheck check =
+          run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
+                           : check_radiance(stack, plan, wi, run.walks, request.seed, truth.stop());
       entry["radiance"] = {{"measured", check.measured},
                            {"standard_error", check.standard_error},
                            {"predicted", check.predicted},
                            {"predicted_standard_error", check.predicted_error}};
-      if (!options.quiet)
+      if (out)
         fmt::print(out,
                    "          radiance under uniform light from both sides: {:.8f} +- {:.1e}, "
                    "predicted {:.8f} +- {:.1e}\n",
@@ -221,9 +217,9 @@ int furnace_command(const Options& options) {
   answer["verdict"] = overall;
   const bool bounded = truth.estimator() == Estimator::deterministic;
   answer["criterion"] = criterion_of(bounded, options.as_is, level);
-  answer["interrupted"] = user_interrupt.load();
+  answer["interrupted"] = truth.is_stopped();
   answer["runs"] = std::move(runs);
-  if (!options.quiet) {
+  if (out) {
     if (truth.estimator() != Estimator::deterministic && plan.thinning.is_on())
       fmt::print(
           out,
@@ -241,10 +237,41 @@ int furnace_command(const Options& options) {
     if (overall == "inconclusive" && few)
       fmt::print(out, "too few walks hit what scatters sharply (--walks, --estimator analog)\n");
   }
-  if (!options.html.empty())
-    write_report_page(options.html, stack.name + ": white furnace", answer, nullptr);
-  write_json(answer, options.json);
-  return status_of(overall, options);
+  return {std::move(answer), status_of(overall, options)};
+}
+
+// The stack as a furnace has it.
+TruthRequest furnace_request(const Options& options, const Stack& given) {
+  return truth_request(options, options.as_is ? given : with_surface_model(whitened(given)));
+}
+
+}  // namespace
+
+CommandAnswer furnace_answer(const Options& options, const Stack& stack,
+                             const RunMonitor& monitor) {
+  const TruthRequest request = furnace_request(options, stack);
+  return options.models.empty() ? stack_furnace(options, request, monitor, nullptr)
+                                : model_furnace(options, stack, true, request, nullptr);
+}
+
+int furnace_command(const Options& options) {
+  if (!options.html.empty()) check_output_file(options.html);
+  const Stack given = stack_of(options);
+  const TruthRequest request = furnace_request(options, given);
+  std::FILE* out = options.quiet ? nullptr : table_stream(options);
+  const bool of_models = !options.models.empty();
+  const CommandAnswer found =
+      of_models ? model_furnace(options, given, !options.stack.empty(), request, out)
+                : stack_furnace(options, request, terminal_monitor(options), out);
+  if (!options.html.empty()) {
+    if (of_models)
+      write_report_page(options.html, "White furnace of closed forms", found.json,
+                        {{"needs_stack", needs_stack(options)}});
+    else
+      write_report_page(options.html, request.stack.name + ": white furnace", found.json, nullptr);
+  }
+  write_json(found.json, options.json);
+  return found.status;
 }
 
 }  // namespace lamella

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "compare/command/command.h"
+#include "compare/distribute/sweep_points.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -13,7 +14,7 @@
 #include "compare/request/substrate_model.h"
 #include "compare/request/sweep_axis.h"
 #include "compare/request/truth_request.h"
-#include "phase/stack/stack_file.h"
+#include "phase/stack/builtin_stacks.h"
 
 namespace lamella {
 namespace {
@@ -62,16 +63,10 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
   return settings;
 }
 
-std::string name_of(std::size_t point) { return fmt::format("{:04}", point); }
-
-// Runs one point of the sweep; its answer is written when it is whole.
-int run_point(const Options& options, const fs::path& stack_file, const fs::path& answer) {
-  Options one = options;
-  one.stack = stack_file.string();
-  one.json = answer.string();
-  one.html = one.output = "";
-  one.quiet = one.answer_only = true;
-  return options.of == "furnace" ? furnace_command(one) : compare_command(one);
+// Runs one point of the sweep.
+CommandAnswer point_answer(const Options& options, const Stack& stack, const RunMonitor& monitor) {
+  return options.of == "furnace" ? furnace_answer(options, stack, monitor)
+                                 : compare_answer(options, stack, monitor);
 }
 
 }  // namespace
@@ -80,24 +75,10 @@ int sweep_command(const Options& options) {
   const TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
   std::vector<SweepAxis> axes;
-  std::size_t count = 1;
-  for (const std::string& text : options.sets) {
-    axes.push_back(parse_sweep_axis(text));
-    count *= axes.back().values.size();
-  }
-  if (count > 10000)
-    throw UsageError(fmt::format("--set: found {} points; allowed: at most 10000", count));
-  const auto place = [&](std::size_t point) {
-    std::vector<std::size_t> at(axes.size());
-    for (std::size_t a = axes.size(); a-- > 0; point /= axes[a].values.size())
-      at[a] = point % axes[a].values.size();
-    return at;
-  };
-  // Every point's stack is read before the first one runs.
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::string text = with_values(stack, axes, place(k));
-    (void)with_surface_model(parse_stack(text, fmt::format("--set, point {}", k), stack.name));
-  }
+  for (const std::string& text : options.sets) axes.push_back(parse_sweep_axis(text));
+  const SweepPoints sweep(stack, axes);
+  sweep.check();
+  const std::size_t count = sweep.count();
   const fs::path folder = options.output.empty() ? stack.name + "-sweep" : options.output;
   const fs::path points = folder / "points";
   make_output_folder(points);
@@ -109,35 +90,32 @@ int sweep_command(const Options& options) {
   write_file(folder / "settings.json", settings.dump(2) + "\n");
 
   std::FILE* out = table_stream(options);
-  catch_interrupts();
+  RunMonitor monitor = terminal_monitor(options);
+  monitor.progress = {};  // a line per point is told
+  monitor.solver = {};
+  monitor.finished = {};
   Json list = Json::array();
   int status = kDone;
   std::size_t done = 0;
   for (std::size_t k = 0; k < count && !user_interrupt; ++k) {
-    const fs::path answer_file = points / (name_of(k) + ".json");
+    const fs::path answer_file = points / (SweepPoints::name(k) + ".json");
     std::optional<Json> answer = read_json(answer_file);
     const bool was_there = answer.has_value();
     if (!was_there) {
-      const fs::path stack_file = points / (name_of(k) + ".toml");
-      const fs::path part = points / (name_of(k) + ".part");
-      write_file(stack_file, with_values(stack, axes, place(k)));
-      status = std::max(status, run_point(options, stack_file, part));
-      if (user_interrupt) {
-        fs::remove(part);
-        break;
-      }
-      answer = read_json(part);
-      fs::rename(part, answer_file);
+      const fs::path stack_file = points / (SweepPoints::name(k) + ".toml");
+      write_file(stack_file, sweep.toml(k));
+      CommandAnswer found =
+          point_answer(options, with_surface_model(load_stack(stack_file.string())), monitor);
+      status = std::max(status, found.status);
+      if (user_interrupt) break;
+      write_json(found.json, answer_file.string());
+      answer = std::move(found.json);
     }
     ++done;
-    if (!options.quiet) {
-      fmt::print(out, "{} of {}:", k + 1, count);
-      const auto at = place(k);
-      for (std::size_t a = 0; a < axes.size(); ++a)
-        fmt::print(out, " {} = {:g}", axes[a].path, axes[a].values[at[a]]);
-      fmt::print(out, "{}\n", was_there ? " (was there)" : "");
-    }
-    list.push_back({{"at", place(k)}, {"answer", std::move(*answer)}});
+    if (!options.quiet)
+      fmt::print(out, "{} of {}: {}{}\n", k + 1, count, sweep.values(k),
+                 was_there ? " (was there)" : "");
+    list.push_back({{"at", sweep.at(k)}, {"answer", std::move(*answer)}});
   }
   Json result = json_header("sweep", request);
   result["of"] = options.of;

@@ -5,6 +5,7 @@
 
 #include "analytic/model/model.h"
 #include "compare/command_line/command_words.h"
+#include "compare/request/split_text.h"
 #include "phase/stack/builtin_stacks.h"
 
 namespace lamella {
@@ -17,22 +18,11 @@ struct Values {
   [[nodiscard]] bool empty() const { return words.empty() && !files && !folders; }
 };
 
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts;
-  std::size_t from = 0;
-  while (from <= text.size()) {
-    const std::size_t to = std::min(text.find(at, from), text.size());
-    parts.push_back(text.substr(from, to - from));
-    from = to + 1;
-  }
-  return parts;
-}
-
 // From the name of an option's type: "a|b" are words, STACK a built-in stack or a file, ...
 Values values_of(const std::string& type, const std::string& name) {
   Values values;
   if (type.find('|') != std::string::npos) {
-    for (const std::string& word : split(type, '|')) {
+    for (const std::string& word : split_text(type, '|')) {
       if (word.starts_with("FILE"))
         values.files = true;
       else

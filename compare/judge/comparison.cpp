@@ -5,51 +5,16 @@
 #include <limits>
 #include <numeric>
 
+#include "compare/judge/lobe_sums.h"
 #include "compare/judge/missing_light.h"
 #include "compare/judge/statistics.h"
 
 namespace lamella {
 namespace {
 
-// Events that make a mean over batches near enough to normal for the tails that a report looks at.
-constexpr double kPooledEvents = 100;
 // Walks per batch below which differences between patches, where most noise cancels and rare walks
 // count, are too skew for Hotelling's test (at 50 it rejects 1 true slab in 10, at 200 none in 40).
 constexpr double kWalksPerBatch = 200;
-BatchSums lobe_sums(const Simulation& truth, bool up, int order) {
-  const CellTargets& targets = truth.targets();
-  const int channels = truth.plan().channels, cells = targets.grid.cells();
-  const int count = targets.count();
-  BatchSums out;
-  for (const BatchTally& batch : truth.batches()) {
-    out.walks.push_back(static_cast<double>(batch.walks));
-    std::vector<double> row(static_cast<std::size_t>(channels) * cells);
-    for (int o = 0; o < kTallyOrders; ++o) {
-      if (order < kTallyOrders && o != order) continue;
-      for (int c = 0; c < channels; ++c)
-        for (int cell = 0; cell < cells; ++cell)
-          row[static_cast<std::size_t>(c) * cells + cell] +=
-              batch.f[(static_cast<std::size_t>(o) * channels + c) * count +
-                      target_of(targets, up, cell)];
-    }
-    out.sums.push_back(std::move(row));
-  }
-  return out;
-}
-
-// A few patches of the hemisphere, so that a broad difference shows that no single cell shows.
-std::vector<int> patches(const CellGrid& grid, int channels, int& count) {
-  const int rows = std::min(4, grid.rows());
-  const int columns = std::min(channels == 1 ? 4 : 2, grid.columns());
-  std::vector<int> group;
-  for (int c = 0; c < channels; ++c)
-    for (int row = 0; row < grid.rows(); ++row)
-      for (int column = 0; column < grid.columns(); ++column)
-        group.push_back((c * rows + row * rows / grid.rows()) * columns +
-                        column * columns / grid.columns());
-  count = channels * rows * columns;
-  return group;
-}
 
 std::vector<double> grouped_values(const std::vector<double>& values, const std::vector<int>& group,
                                    int groups) {
@@ -119,8 +84,9 @@ std::vector<int> group_of_group(const std::vector<int>& first, const std::vector
 double p_value_of(const BatchSums& sums, const std::vector<double>& model,
                   const std::vector<double>& bounds, const std::vector<double>& budget,
                   const CellGrid& grid, int channels) {
-  int patch_count = 0;
-  const std::vector<int> patch = patches(grid, channels, patch_count);
+  const CellGroups patches = cell_patches(grid, channels);
+  const std::vector<int>& patch = patches.group;
+  const int patch_count = patches.count;
   const BatchSums patched = grouped(sums, patch, patch_count);
   const std::vector<double> patched_model = grouped_values(model, patch, patch_count);
   // Patches that are seen too rarely are pooled like cells are.
@@ -252,7 +218,8 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     const std::size_t cells = run.grid.cells(), n = l.truth.size();
     std::vector<int> channel_of(n);
     for (std::size_t k = 0; k < n; ++k) channel_of[k] = static_cast<int>(k / cells);
-    BatchSums sums = batches ? lobe_sums(*batches, up, o) : BatchSums{};
+    BatchSums sums =
+        batches ? lobe_sums(*batches, up, o, single_cells(run.grid, run.channels)) : BatchSums{};
     const Means energy = batches
                              ? means_of(grouped(sums, channel_of, run.channels))
                              : Means{grouped_values(l.truth, channel_of, run.channels),
@@ -313,7 +280,7 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
 
 void decide(const std::vector<LobeComparison*>& lobes) {
   if (lobes.empty()) return;
-  const double level = -std::expm1(std::log1p(-kReportFalseAlarm) / lobes.size());
+  const double level = sidak_level(kReportFalseAlarm, lobes.size());
   for (LobeComparison* l : lobes) {
     if (l->p_value < level) {
       l->verdict = Verdict::differs;

@@ -4,36 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "compare/judge/lobe_sums.h"
 #include "compare/judge/missing_light.h"
 #include "compare/judge/statistics.h"
 
 namespace lamella {
 namespace {
-
-constexpr double kPooledEvents = 100;  // as for closed forms
-
-// Sums of one lobe over groups of its cells, per batch; group_of(channel, cell).
-template <class GroupOf>
-BatchSums lobe_sums(const Simulation& simulation, bool up, int order, int groups,
-                    const GroupOf& group_of) {
-  const CellTargets& targets = simulation.targets();
-  const int channels = simulation.plan().channels, cells = targets.grid.cells();
-  const int count = targets.count();
-  BatchSums out;
-  for (const BatchTally& batch : simulation.batches()) {
-    out.walks.push_back(static_cast<double>(batch.walks));
-    std::vector<double> row(groups);
-    for (int o = 0; o < kTallyOrders; ++o) {
-      if (order < kTallyOrders && o != order) continue;
-      for (int c = 0; c < channels; ++c)
-        for (int cell = 0; cell < cells; ++cell)
-          row[group_of(c, cell)] += batch.f[(static_cast<std::size_t>(o) * channels + c) * count +
-                                            target_of(targets, up, cell)];
-    }
-    out.sums.push_back(std::move(row));
-  }
-  return out;
-}
 
 // `missing`, `other_missing`: per channel, what the sums over the cells of either may be too low
 // by; empty where nothing is missing.
@@ -41,15 +17,10 @@ double p_value_of(const Simulation& first, const Simulation& second, bool up, in
                   const std::vector<double>& missing, const std::vector<double>& other_missing) {
   const CellGrid& grid = first.targets().grid;
   const int channels = first.plan().channels;
-  const int rows = std::min(4, grid.rows());
-  const int columns = std::min(channels == 1 ? 4 : 2, grid.columns());
-  const int patches = channels * rows * columns;
-  const auto patch_of = [&](int c, int cell) {
-    const int row = cell / grid.columns(), column = cell % grid.columns();
-    return (c * rows + row * rows / grid.rows()) * columns + column * columns / grid.columns();
-  };
-  const BatchSums a = lobe_sums(first, up, order, patches, patch_of);
-  const BatchSums b = lobe_sums(second, up, order, patches, patch_of);
+  const CellGroups cells = cell_patches(grid, channels);
+  const int patches = cells.count;
+  const BatchSums a = lobe_sums(first, up, order, cells);
+  const BatchSums b = lobe_sums(second, up, order, cells);
   BatchSums both = a, difference = a;
   for (int k = 0; k < a.batches(); ++k)
     for (int p = 0; p < patches; ++p) {
@@ -65,7 +36,7 @@ double p_value_of(const Simulation& first, const Simulation& second, bool up, in
   }
   if (!missing.empty()) {
     // first - second lies between -missing and other_missing, whatever belongs where.
-    const int per_channel = rows * columns;
+    const int per_channel = patches / channels;
     const auto beyond = [&](const std::vector<int>& of_patch, int count) {
       std::vector<double> highest(count), width(count);
       std::vector<std::vector<bool>> seen(count, std::vector<bool>(channels));
@@ -162,8 +133,7 @@ std::vector<LobeDifference> differences(const Simulation& first, const Simulatio
 
 void decide(std::vector<LobeDifference>& lobes) {
   if (lobes.empty()) return;
-  const double level =
-      -std::expm1(std::log1p(-kReportFalseAlarm) / static_cast<double>(lobes.size()));
+  const double level = sidak_level(kReportFalseAlarm, lobes.size());
   for (LobeDifference& l : lobes)
     l.verdict = l.p_value < level                           ? Verdict::differs
                 : l.hidden <= kAgreesWithin * kAgreesWithin ? Verdict::agrees

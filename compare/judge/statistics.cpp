@@ -120,4 +120,8 @@ double largest_deviation_p_value(const Means& means, const std::vector<double>& 
       1.0, 2 * boost::math::cdf(complement(t, largest)) * static_cast<double>(expected.size()));
 }
 
+double sidak_level(double false_alarm, std::size_t tests) {
+  return -std::expm1(std::log1p(-false_alarm) / static_cast<double>(tests));
+}
+
 }  // namespace lamella

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace lamella {
@@ -48,5 +49,10 @@ struct Means {
                                                const std::vector<double>& expected,
                                                const std::vector<double>& uncertainty, int batches,
                                                const std::vector<double>& missing = {});
+
+/// The level of each of `tests` tests at which at least one of them rejects what is true with the
+/// probability `false_alarm`, if they are independent (Sidak 1967): 1 - (1 -
+/// false_alarm)^(1/tests).
+[[nodiscard]] double sidak_level(double false_alarm, std::size_t tests);
 
 }  // namespace lamella

@@ -39,8 +39,7 @@ struct Options {
   bool preview = false;                                  ///< compare: with a preview
   std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
   std::string of = "compare";                            ///< of sweep: compare or furnace
-  bool answer_only = false;          ///< compare: the JSON alone, no folder (for sweep)
-  std::string medium = "vmf_flake";  ///< that stands for explicit geometry
+  std::string medium = "vmf_flake";                      ///< that stands for explicit geometry
   bool medium_given = false, walks_given = false;
 };
 

@@ -7,6 +7,7 @@
 
 #include "compare/request/errors.h"
 #include "compare/request/numbers.h"
+#include "compare/request/split_text.h"
 #include "phase/parameters/parameters.h"
 #include "phase/stack/stack_file.h"
 
@@ -14,17 +15,6 @@ namespace lamella {
 namespace {
 
 constexpr std::uint64_t kMostValues = 1000;
-
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts;
-  std::size_t from = 0;
-  while (from <= text.size()) {
-    const std::size_t to = std::min(text.find(at, from), text.size());
-    parts.push_back(text.substr(from, to - from));
-    from = to + 1;
-  }
-  return parts;
-}
 
 [[noreturn]] void fail(const std::string& text) {
   throw UsageError(
@@ -53,7 +43,7 @@ std::vector<Part> parts_of(const std::string& toml) {
 }
 
 Part& part_of(std::vector<Part>& parts, const Stack& stack, const std::string& path) {
-  const std::vector<std::string> words = split(path, '.');
+  const std::vector<std::string> words = split_text(path, '.');
   if (words.size() == 3 && words[0] == "layer") {
     const auto index = parse_whole_number(words[1]);
     if (index && *index < stack.layers.size()) return parts[*index];
@@ -72,9 +62,9 @@ SweepAxis parse_sweep_axis(const std::string& text) {
   if (equals == std::string::npos || equals == 0) fail(text);
   SweepAxis axis{text.substr(0, equals), {}};
   const std::string right = text.substr(equals + 1);
-  const std::vector<std::string> range = split(right, ':');
+  const std::vector<std::string> range = split_text(right, ':');
   if (range.size() == 1) {
-    for (const std::string& word : split(right, ',')) {
+    for (const std::string& word : split_text(right, ',')) {
       const auto value = parse_number(word);
       if (!value) fail(text);
       axis.values.push_back(*value);

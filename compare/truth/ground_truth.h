@@ -34,6 +34,7 @@ class GroundTruth {
   [[nodiscard]] const std::vector<Direction>& directions() const { return request_.directions; }
   /// Whether the monitor's flag is set: what is found is less than what was asked for.
   [[nodiscard]] bool is_stopped() const { return monitor_.is_stopped(); }
+  [[nodiscard]] const StopFlag* stop() const { return monitor_.stop; }
 
   /// The estimator and why it was chosen; the first call may solve the stack.
   [[nodiscard]] const EstimatorChoice& choice();

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "compare/judge/statistics.h"
+#include "volume/run/simulation.h"
+
+namespace lamella {
+
+/// Effective events that make a mean over batches near enough to normal for the tails that a report
+/// looks at.
+inline constexpr double kPooledEvents = 100;
+
+/// Groups that the cells of one side belong to, [channel][cell]; no group holds two channels.
+struct CellGroups {
+  std::vector<int> group;
+  int count = 0;
+};
+/// Each cell of each channel by itself.
+[[nodiscard]] CellGroups single_cells(const CellGrid& grid, int channels);
+/// A few patches of the hemisphere per channel, so that a broad difference shows that no single
+/// cell shows: 4 x 4 in grey, 4 x 2 in colour, fewer where there are fewer cells. Channel by
+/// channel, as many in each.
+[[nodiscard]] CellGroups cell_patches(const CellGrid& grid, int channels);
+
+/// Per batch, the sums of one lobe over groups of its cells. `up`: the side; `order`: slot of the
+/// tally, kTallyOrders: all orders.
+[[nodiscard]] BatchSums lobe_sums(const Simulation& simulation, bool up, int order,
+                                  const CellGroups& groups);
+
+}  // namespace lamella

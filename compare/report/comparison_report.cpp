@@ -1,0 +1,166 @@
+#include "compare/report/comparison_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "compare/files/exr_file.h"
+#include "compare/judge/verdict_text.h"
+#include "compare/report/compare_page.h"
+#include "compare/report/json_report.h"
+#include "compare/report/lobe_files.h"
+#include "compare/request/percent.h"
+#include "phase/math/degrees.h"
+#include "phase/math/luminance.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json channel_list(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double v : values) list.push_back(v);
+  return list;
+}
+
+Json to_json(const LobeComparison& l) {
+  return {{"mu_i", l.wi.z == kGrazingLimit ? 0.0 : l.wi.z},
+          {"phi_i", phi_degrees(l.wi)},
+          {"side", l.reflected ? "reflect" : "transmit"},
+          {"order", to_text(l.order)},
+          {"energy_truth", channel_list(l.energy_truth)},
+          {"energy_standard_error", channel_list(l.energy_error)},
+          {"energy_missing", channel_list(l.energy_missing)},
+          {"energy_model", channel_list(l.energy_model)},
+          {"rmse", l.rmse},
+          {"relative_rmse", json_number(l.relative_rmse)},
+          {"rmse_without_noise", l.rmse_without_noise},
+          {"relative_rmse_without_noise", json_number(l.relative_rmse_without_noise)},
+          {"relative_rmse_range",
+           {json_number(l.relative_rmse_least), json_number(l.relative_rmse_most)}},
+          {"max_error", l.max_error},
+          {"p_value", l.p_value},
+          {"empty_cells", l.empty_cells},
+          {"verdict", to_text(l.verdict)}};
+}
+
+std::string missing_text(const LobeComparison& l) {
+  return l.is_cut() ? fmt::format("<={:.1e}", luminance(l.energy_missing)) : "none";
+}
+
+// `max_order`: of the walks, if any.
+std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_order) {
+  std::vector<const LobeComparison*> all;
+  for (const JudgedModel& m : models)
+    for (const LobeComparison& l : m.lobes) all.push_back(&l);
+  const bool cut = std::any_of(all.begin(), all.end(), [](const auto* l) { return l->is_cut(); });
+  std::string text;
+  for (const JudgedModel& m : models) {
+    text += fmt::format("\n{} ({:.0f} ns per evaluation)\n{}", m.bound->info->name, m.nanoseconds,
+                        told_parameters(*m.bound, 4));
+    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8}{} {:>12} {:>10} {:>10} {:>9}  {}\n",
+                        "theta_i", "side", "order", "energy truth", "+-",
+                        cut ? fmt::format(" {:>9}", "missing") : "", "energy model", "rel. RMSE",
+                        "no noise", "p", "verdict");
+    for (const LobeComparison& l : m.lobes)
+      text += fmt::format(
+          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e}{} {:>12.5f} {:>10} {:>10} {:>9.2g}  {}\n",
+          theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
+          luminance(l.energy_truth), luminance(l.energy_error),
+          cut ? fmt::format(" {:>9}", missing_text(l)) : "", luminance(l.energy_model),
+          percent_cell(l.relative_rmse), percent_cell(l.relative_rmse_without_noise), l.p_value,
+          verdict_text(l));
+  }
+  return text + verdict_legend(all, max_order);
+}
+
+Json to_json(const std::vector<SideBySide>& rows) {
+  Json list = Json::array();
+  for (const SideBySide& r : rows) {
+    Json entry{{"mu_i", r.wi.z},
+               {"phi_i", phi_degrees(r.wi)},
+               {"order", to_text(r.order)},
+               {"medium", r.medium},
+               {"energy_geometry", r.energy_geometry},
+               {"energy_medium", r.energy_medium},
+               {"relative_rmse_of_medium", json_number(r.medium_error.rmse)},
+               {"noise", json_number(r.medium_error.noise)}};
+    if (!r.model.empty()) {
+      entry["model"] = r.model;
+      entry["energy_model"] = r.energy_model;
+      entry["relative_rmse_of_model"] = json_number(r.model_error.rmse);
+      entry["relative_rmse_of_both"] = json_number(r.total_error.rmse);
+    }
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json models_json(const std::vector<JudgedModel>& models) {
+  Json list = Json::array();
+  for (const JudgedModel& m : models) {
+    Json lobes = Json::array(), parameters = Json::object();
+    for (const LobeComparison& l : m.lobes) lobes.push_back(to_json(l));
+    for (const auto& [key, value] : m.bound->parameters.all()) parameters[key] = to_json(value);
+    list.push_back({{"name", m.bound->info->name},
+                    {"parameters", std::move(parameters)},
+                    {"parameter_sources", m.bound->sources},
+                    {"ns_per_eval", m.nanoseconds},
+                    {"lobes", std::move(lobes)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Json comparison_json(const TruthRequest& request, const StackComparison& comparison) {
+  Json answer = json_header("compare", request);
+  add_choice(answer, comparison.choice, request);
+  answer["walks"] = comparison.runs.front().walks;
+  answer["interrupted"] = comparison.interrupted;
+  answer["agrees_within"] = kAgreesWithin;
+  answer["models"] = models_json(comparison.models);
+  if (!comparison.beside.empty()) answer["side_by_side"] = to_json(comparison.beside);
+  return answer;
+}
+
+Json comparison_details(const StackComparison& comparison) {
+  std::vector<std::vector<LobeComparison>> lobes;
+  Json told = Json::array();
+  for (const JudgedModel& m : comparison.models) {
+    lobes.push_back(m.lobes);
+    told.push_back(told_parameters(*m.bound));
+  }
+  Json details = compare_page_details(comparison.runs, lobes);
+  details["parameters"] = std::move(told);
+  return details;
+}
+
+std::string comparison_summary(const TruthRequest& request, const StackComparison& comparison) {
+  const RunResult& first = comparison.runs.front();
+  return fmt::format(
+             "{}: {}{}{}\n", request.stack.name,
+             first.is_bounded() ? "" : fmt::format("{} walks per direction, ", first.walks),
+             estimator_text(comparison.choice, request),
+             comparison.channels == 3 ? fmt::format("; energies: {}", kLuminanceName) : "") +
+         table(comparison.models, first.max_order) +
+         (comparison.beside.empty() ? "" : side_by_side_table(comparison.beside));
+}
+
+int write_comparison_files(const std::string& folder, const TruthRequest& request,
+                           const StackComparison& comparison,
+                           const std::vector<PictureFormat>& formats) {
+  int pictures = 0;
+  for (const JudgedModel& m : comparison.models) {
+    write_exr(folder + "/" + m.name + ".exr",
+              comparison_image(request, comparison.runs, m.lobes, to_request(*m.bound)));
+    pictures += write_comparison_pictures(folder, m.name, request.stack.name, comparison.runs,
+                                          m.lobes, formats);
+  }
+  write_exr(folder + "/truth.exr", simulation_image(request, comparison.runs));
+  return pictures;
+}
+
+}  // namespace lamella
