@@ -26,7 +26,6 @@ using Json = nlohmann::ordered_json;
 // What a preview costs is not what the comparison may cost: the solver where it applies, whatever
 // counted the lobes, else walks enough for a picture.
 TruthRequest preview_request(const TruthRequest& request) {
-  constexpr std::uint64_t kPreviewWalks = 10000;
   TruthRequest preview = request;
   preview.estimator.reset();
   preview.given.clear();

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/output_folder.h"
@@ -42,13 +44,19 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
   make_output_folder(folder);
   const RunMonitor monitor = terminal_monitor(options);
-  const LobeTable table = LobeTable::make(request, monitor.stop, monitor.solver);
+  TruthRequest of_truth = request;
+  const auto& given = request.given;
+  if (std::find(given.begin(), given.end(), WalkSetting::walks) == given.end())
+    of_truth.effort.walks = kPreviewWalks;
+  const LobeTable table = LobeTable::make(of_truth, monitor.stop, monitor.solver);
   if (monitor.finished) monitor.finished();
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out, "{}: truth by {}\n", stack.name, table.source());
     for (const BoundModel& model : models)
       fmt::print(out, "{}\n{}", model.info->name, told_parameters(model, 4));
+    if (const std::string& taken = lighting.environment.source(); !taken.empty())
+      fmt::print(out, "{}: {}\n", options.environment, taken);
   }
   const std::vector<PreviewResult> views =
       preview_views(table, models, distinct_names(models), lighting, options.size, &user_interrupt);

@@ -87,7 +87,7 @@ void define_preview(CommandLine& line) {
   command.add_option("--size", line.options.size, "Pixels across (default 192)")
       ->transform(whole_number(16, 2048))
       ->type_name("N");
-  add_walks(command, line, "Walks per incident direction, where the stack is not solved");
+  add_walks(command, line, "Walks per viewing direction, where the stack is not solved", 10000);
   add_walk_limits(command, line);
   add_estimator(command, line);
   add_seed(command, line);

@@ -94,8 +94,9 @@ void add_html(CLI::App& command, CommandLine& line) {
       ->type_name("FILE.html");
 }
 
-void add_walks(CLI::App& command, CommandLine& line, const std::string& doc) {
-  command.add_option("--walks", line.walks, doc + " (default 1000000)")
+void add_walks(CLI::App& command, CommandLine& line, const std::string& doc,
+               std::uint64_t standard) {
+  command.add_option("--walks", line.walks, fmt::format("{} (default {})", doc, standard))
       ->transform(whole_number(kBatches, 1000000000000000))
       ->type_name("N");
 }

@@ -17,7 +17,8 @@ namespace lamella {
 void add_stack(CLI::App& command, CommandLine& line);
 void add_json(CLI::App& command, CommandLine& line);
 void add_html(CLI::App& command, CommandLine& line);
-void add_walks(CLI::App& command, CommandLine& line, const std::string& doc);
+void add_walks(CLI::App& command, CommandLine& line, const std::string& doc,
+               std::uint64_t standard = 1000000);
 void add_walk_limits(CLI::App& command, CommandLine& line);
 void add_tolerance(CLI::App& command, CommandLine& line);
 void add_estimator(CLI::App& command, CommandLine& line);

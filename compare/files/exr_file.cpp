@@ -4,19 +4,17 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
-#include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <system_error>
+
+#include "compare/files/exr_parts.h"
 
 namespace lamella {
 namespace {
@@ -92,29 +90,6 @@ std::string encode(const ExrImage& image) {
   return stream.bytes();
 }
 
-ExrImage decode(const fs::path& path) {
-  Imf::InputFile file(path.c_str(), 0);
-  const Imf::Header& header = file.header();
-  const auto box = header.dataWindow();
-  ExrImage image;
-  image.width = box.max.x - box.min.x + 1;
-  image.height = box.max.y - box.min.y + 1;
-  const auto width = static_cast<std::size_t>(image.width);
-  const std::size_t pixels = width * static_cast<std::size_t>(image.height);
-  for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
-    image.channels.emplace_back(c.name(), std::vector<float>(pixels));
-  Imf::FrameBuffer frame;
-  for (auto& [name, values] : image.channels)
-    frame.insert(name.c_str(), Imf::Slice::Make(Imf::FLOAT, values.data(), box, sizeof(float),
-                                                width * sizeof(float)));
-  file.setFrameBuffer(frame);
-  file.readPixels(box.min.y, box.max.y);
-  for (auto a = header.begin(); a != header.end(); ++a)
-    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
-      if (std::string_view(a.name()) != "type") image.attributes[a.name()] = text->value();
-  return image;
-}
-
 }  // namespace
 
 void write_exr(const fs::path& path, const ExrImage& image) {
@@ -130,14 +105,10 @@ void write_exr(const fs::path& path, const ExrImage& image) {
 }
 
 ExrImage read_exr(const fs::path& path) {
-  if (::access(path.c_str(), R_OK) != 0)
-    throw OutputError(
-        fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
-  try {
-    return decode(path);
-  } catch (const std::exception& e) {
-    throw OutputError(fmt::format("cannot read {}: {}", path.string(), e.what()));
-  }
+  const std::vector<ExrPart> parts = read_exr_parts(path);
+  std::vector<std::string> names;
+  for (const ExrChannel& channel : parts.front().channels) names.push_back(channel.name);
+  return read_exr_part(path, 0, names);
 }
 
 std::vector<float> exr_values(std::span<const double> values) {

@@ -27,8 +27,8 @@ struct ExrImage {
 /// wrong size, a name used twice, or an attribute that has the name of one of EXR's own.
 void write_exr(const std::filesystem::path& path, const ExrImage& image);
 
-/// Reads a single-part file back, channels in the file's order; attributes other than strings are
-/// left out. Throws OutputError.
+/// Reads the first part of a file back, channels in the file's order; attributes other than strings
+/// are left out. Throws OutputError. Other parts: exr_parts.h.
 [[nodiscard]] ExrImage read_exr(const std::filesystem::path& path);
 
 /// Doubles as a channel's floats. Throws OutputError where one is not finite or beyond float's

@@ -1,36 +1,14 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "compare/drawing/canvas.h"
 #include "compare/drawing/color_scale.h"
-#include "compare/files/exr_file.h"
+#include "compare/preview/reflected_light.h"
 #include "phase/math/color.h"
-#include "phase/math/direction.h"
 
 namespace lamella {
-
-/// f [1/sr] of a surface, w_i and w_o above it.
-using Reflection = std::function<Rgb(Direction wi, Direction wo)>;
-
-/// Radiance that arrives from everywhere: 1, or a lat-long picture. y is up in the scene; the
-/// picture's top row is up, its middle column the direction away from the viewer (-z).
-class Environment {
- public:
-  Environment() = default;  ///< uniform, radiance 1
-  /// From an EXR with channels R, G, B (or Y), averaged to at most 128 x 64 texels. Throws
-  /// OutputError if it cannot be read, UsageError if it has no such channels or negative values.
-  explicit Environment(const std::string& path);
-
-  [[nodiscard]] bool is_uniform() const { return texels_.empty(); }
-  [[nodiscard]] Rgb radiance(Direction world) const;
-
- private:
-  int width_ = 0, height_ = 0;
-  std::vector<Rgb> texels_;
-};
 
 /// What is drawn: a sphere seen from far away along -z, or a plane seen by a camera close to it.
 enum class PreviewScene { sphere, plane };
@@ -57,10 +35,10 @@ struct PreviewImage {
   std::vector<bool> covered;
 };
 
-/// One sample in the middle of each pixel. Environments by a product rule over the hemisphere of
-/// each pixel. f must not have a preferred azimuth. Runs in the calling thread's task arena.
+/// One sample in the middle of each pixel. `reflected`: f and what it reflects of an environment;
+/// a lamp needs f alone. Runs in the calling thread's task arena.
 [[nodiscard]] PreviewImage render(const Reflection& f, const PreviewView& view,
-                                  const Environment& environment);
+                                  const ReflectedLight& reflected);
 
 /// A named picture of a view; the first of a view is the truth.
 struct PreviewColumn {

@@ -55,17 +55,25 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                          const std::vector<std::string>& names,
                                          const PreviewLighting& lighting, int size,
                                          const StopFlag* stop) {
+  std::vector<std::pair<std::string, Reflection>> surfaces{
+      {"truth", [&](Direction wi, Direction wo) { return truth(wi, wo); }}};
+  for (std::size_t k = 0; k < models.size(); ++k)
+    surfaces.emplace_back(names[k], [model = models[k].model.get()](Direction wi, Direction wo) {
+      return model->eval(wi, wo);
+    });
+  std::vector<ReflectedLight> reflected;
+  for (const auto& [name, f] : surfaces) {
+    if (is_set(stop)) return {};
+    reflected.emplace_back(f, lighting.environment);
+  }
   std::vector<PreviewResult> views;
   for (const PreviewScene scene : {PreviewScene::sphere, PreviewScene::plane})
     for (const PreviewLight light : {PreviewLight::lamp, PreviewLight::environment}) {
       if (is_set(stop)) return views;
       PreviewResult result{{scene, light, size, lighting.lamp_theta, lighting.lamp_phi}, {}};
-      const auto draw = [&](const std::string& name, const Reflection& f) {
-        result.columns.push_back({name, render(f, result.view, lighting.environment)});
-      };
-      draw("truth", [&](Direction wi, Direction wo) { return truth(wi, wo); });
-      for (std::size_t k = 0; k < models.size(); ++k)
-        draw(names[k], [&](Direction wi, Direction wo) { return models[k].model->eval(wi, wo); });
+      for (std::size_t k = 0; k < surfaces.size(); ++k)
+        result.columns.push_back(
+            {surfaces[k].first, render(surfaces[k].second, result.view, reflected[k])});
       views.push_back(std::move(result));
     }
   return views;

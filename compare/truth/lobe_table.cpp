@@ -1,6 +1,7 @@
 #include "compare/truth/lobe_table.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "compare/request/errors.h"
 #include "compare/truth/estimator_choice.h"
+#include "compare/truth/lobe_cells.h"
 #include "phase/stack/single_scattering.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic.h"
@@ -15,101 +17,119 @@
 namespace lamella {
 namespace {
 
-constexpr double kTolerance = 1e-4;  // of the solver: far below the interpolation's error
-constexpr double kWorst = 1e-2;      // error beyond which walks are as good
+using Grid = HalfVectorGrid;
 
-struct Place {
-  int node;
-  double fraction;
-};
+// Of the solver: what it aims for, and what is still far better than walks are; both relative to
+// the mean over the azimuth.
+constexpr double kTolerance = 1e-4, kStillUseful = 5e-3;
+// What `auto` lets the solver spend. Nodes and modes end it, not the clock: equal runs are equal.
+constexpr int kMostNodes = 64, kMostModes = 96;
+constexpr double kMostSeconds = 30;
+// Incoming cosines between which solved modes are interpolated: less than a degree apart.
+constexpr int kSolvedCosines = 120;
 
-Place place_of_mu(double mu) {
-  constexpr int last = LobeTable::kMuNodes - 1;
-  const double share = std::max(0.0, (mu - LobeTable::kLeastMu) / (1 - LobeTable::kLeastMu));
-  const double x = std::min(std::sqrt(share), 1.0) * last;
-  const int node = std::min(static_cast<int>(x), last - 1);
-  return {node, x - node};
+Rgb order_one(const Stack& stack, Direction wi, Direction wo) {
+  const SingleScattering first = single_scattering(stack, wi, wo);
+  return first.layers + first.substrate;
 }
 
-Place place_of_phi(double phi) {
-  constexpr int last = LobeTable::kPhiNodes - 1;
-  const double folded = phi > kPi ? 2 * kPi - phi : phi;
-  const double x = std::clamp(folded / kPi, 0.0, 1.0) * last;
-  const int node = std::min(static_cast<int>(x), last - 1);
-  return {node, x - node};
-}
+// Scales stand at this many places for every step between two nodes in mu_o.
+constexpr std::size_t kScalesPerNode = 4;
 
-double node_phi(int k) { return kPi * k / (LobeTable::kPhiNodes - 1); }
-
-// Away from the limit: where both directions graze, single scattering has none.
-Direction lifted(Direction w) {
-  if (w.z >= LobeTable::kLeastMu) return w;
-  return direction_from_mu_phi(LobeTable::kLeastMu, azimuth(w));
+// A place among equally spaced values, by the cubic through the four nearest.
+double interpolated(const std::vector<double>& v, double place) {
+  const auto node = static_cast<std::size_t>(place);
+  const std::size_t from = std::min(node > 0 ? node - 1 : 0, v.size() - 4);
+  const double x = place - static_cast<double>(from);
+  return (-v[from] * (x - 1) * (x - 2) * (x - 3) + 3 * v[from + 1] * x * (x - 2) * (x - 3) -
+          3 * v[from + 2] * x * (x - 1) * (x - 3) + v[from + 3] * x * (x - 1) * (x - 2)) /
+         6;
 }
 
 }  // namespace
 
-double LobeTable::node_mu(int k) {
-  const double x = static_cast<double>(k) / (kMuNodes - 1);
-  return kLeastMu + (1 - kLeastMu) * x * x;
-}
-
 Rgb LobeTable::operator()(Direction wi, Direction wo) const {
-  const Direction i = lifted(wi), o = lifted(wo);
-  const SingleScattering first = single_scattering(stack_, i, o);
-  double phi = azimuth(o) - azimuth(i);
-  if (phi < 0) phi += 2 * kPi;
-  const Place a = place_of_mu(i.z), b = place_of_mu(o.z), c = place_of_phi(phi);
-  Rgb rest;
-  for (int k = 0; k < 8; ++k) {
-    const int x = k & 1, y = k >> 1 & 1, z = k >> 2;
-    const double weight = (x ? a.fraction : 1 - a.fraction) * (y ? b.fraction : 1 - b.fraction) *
-                          (z ? c.fraction : 1 - c.fraction);
-    rest += weight * at(a.node + x, b.node + y, c.node + z);
-  }
-  return first.layers + first.substrate + rest;
+  // Away from the limit: where both directions graze, single scattering has none.
+  const Direction i = raised_to(wi, Grid::kLeastMu), o = raised_to(wo, Grid::kLeastMu);
+  const double place = kScalesPerNode * Grid::place_of_mu(o.z);
+  const auto k = std::min(static_cast<std::size_t>(place), scales_.size() - 2);
+  const double x = place - static_cast<double>(k);
+  const Rgb scale = (1 - x) * scales_[k] + x * scales_[k + 1];
+  return order_one(stack_, i, o) + scale * rest_(i, o);
 }
 
-std::optional<std::string> LobeTable::solve(const Stack& stack, double worst, const StopFlag* stop,
+std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const StopFlag* stop,
                                             const SolverReport& report) {
   DeterministicOptions options;
   options.tolerance = kTolerance;
   options.stop = stop;
   options.report = report;
+  if (!must) {
+    options.max_nodes = kMostNodes;
+    options.max_modes = kMostModes;
+    options.max_seconds = kMostSeconds;
+  }
   const DeterministicSolution solution = solve_deterministic(stack, options);
   if (auto reason = why_no_answer(solution.accuracy())) return reason;
-  if (solution.accuracy().error > worst)
-    return fmt::format("its error is {:.1e}", solution.accuracy().error);
-  std::vector<double> mu;
-  for (int k = 0; k < kMuNodes; ++k) mu.push_back(node_mu(k));
-  const DeterministicField field = solution.field(mu, mu);
-  for (int i = 0; i < kMuNodes; ++i)
-    for (int o = 0; o < kMuNodes; ++o)
-      for (int p = 0; p < kPhiNodes; ++p)
-        at(i, o, p) = field
-                          .multiple(static_cast<std::size_t>(i), static_cast<std::size_t>(o),
-                                    kPi - node_phi(p))
-                          .order[4];
-  if (!std::all_of(values_.begin(), values_.end(),
-                   [](const Rgb& f) { return std::isfinite(f.r + f.g + f.b); }))
-    return "its numbers are not finite";
-  source_ = fmt::format("adding and doubling, tolerance {:g}", kTolerance);
+  const double reached = solution.accuracy().error;
+  if (!must && !(reached <= kStillUseful)) return fmt::format("its error is {:.1e}", reached);
+  const auto solved_mu = [](int k) {
+    return Grid::node_mu(k * (Grid::kOut - 1.0) / (kSolvedCosines - 1));
+  };
+  std::vector<double> in, out;
+  for (int k = 0; k < kSolvedCosines; ++k) in.push_back(solved_mu(k));
+  for (int k = 0; k < Grid::kOut; ++k) out.push_back(Grid::node_mu(k));
+  const DeterministicField field = solution.field(in, out);
+  tbb::parallel_for(0, Grid::kOut, [&](int o) {
+    for (int a = 0; a < Grid::kAlpha; ++a)
+      for (int b = 0; b < Grid::kBeta; ++b) {
+        const Direction wi = Grid::node_wi(Grid::node_mu(o), a, b);
+        const double place = Grid::place_of_mu(wi.z) * (kSolvedCosines - 1) / (Grid::kOut - 1.0);
+        const int i = std::clamp(static_cast<int>(place), 0, kSolvedCosines - 2);
+        const double x = place - i, angle = kPi - azimuth(wi);
+        const auto value = [&](int node) {
+          return field.multiple(static_cast<std::size_t>(node), static_cast<std::size_t>(o), angle)
+              .order[4];
+        };
+        rest_.at(o, a, b) = (1 - x) * value(i) + x * value(i + 1);
+      }
+  });
+  for (int o = 0; o < Grid::kOut; ++o)
+    for (int a = 0; a < Grid::kAlpha; ++a)
+      for (int b = 0; b < Grid::kBeta; ++b)
+        if (const Rgb f = rest_.at(o, a, b); !std::isfinite(f.r + f.g + f.b))
+          return "its numbers are not finite";
+  for (const DeterministicEnergies& e : solution.energies(out)) {
+    RestEnergy energy;
+    energy.total = e.reflected[4];
+    energy.direct = e.reflected[4] - e.reflected[0];
+    for (int c = 0; c < 3; ++c) {
+      energy.direct_error[c] = reached * energy.direct[c];
+      energy.total_error[c] = std::abs(e.sum()[c] - 1);
+    }
+    energies_.push_back(energy);
+  }
+  source_ = fmt::format("adding and doubling, {} {:.1g}",
+                        solution.accuracy().reached ? "tolerance" : "no further than",
+                        solution.accuracy().reached ? kTolerance : reached);
   return std::nullopt;
 }
 
 void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
-  std::vector<Direction> points;
-  for (int o = 0; o < kMuNodes; ++o)
-    for (int p = 0; p < kPhiNodes; ++p)
-      points.push_back(direction_from_mu_phi(node_mu(o), node_phi(p)));
   const Plan plan = plan_of(request);
-  for (int i = 0; i < kMuNodes; ++i) {
-    Simulation simulation(request.stack, plan, direction_from_mu_phi(node_mu(i), 0), points,
-                          request.seed);
+  double mirrored_by_flakes = 0;
+  for (int o = 0; o < Grid::kOut; ++o) {
+    // Reflection is reciprocal here: the walks begin where the viewer is.
+    const double mu = Grid::node_mu(o);
+    std::vector<Direction> points;
+    for (int a = 0; a < Grid::kAlpha; ++a)
+      for (int b = 0; b < Grid::kBeta; ++b) points.push_back(Grid::node_wi(mu, a, b));
+    Simulation simulation(request.stack, plan, direction_from_mu_phi(mu, 0), points, request.seed);
     run(simulation, {.walks = request.effort.walks, .target_error = {}, .seconds = {}}, {}, stop);
-    for (std::size_t j = 0; j < points.size(); ++j)
-      for (int c = 0; c < 3; ++c) {
-        const int channel = std::min(c, plan.channels - 1);
+    RestEnergy energy;
+    for (int c = 0; c < 3; ++c) {
+      const int channel = std::min(c, plan.channels - 1);
+      for (std::size_t j = 0; j < points.size(); ++j) {
         const auto rest = [&](const BatchTally& b) {
           double sum = 0;
           for (int order = 1; order < kTallyOrders; ++order)
@@ -117,29 +137,94 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
                 b.f[static_cast<std::size_t>(order * plan.channels + channel) * points.size() + j];
           return sum;
         };
-        at(i, static_cast<int>(j) / kPhiNodes, static_cast<int>(j) % kPhiNodes)[c] =
+        rest_.at(o, static_cast<int>(j) / Grid::kBeta, static_cast<int>(j) % Grid::kBeta)[c] =
             batch_estimate(simulation.batches(), rest).value;
       }
+      const auto reflected = [&](int from) {
+        return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+          double sum = 0;
+          for (int order = from; order < kTallyOrders; ++order) sum += b.energy.up[order][channel];
+          return sum;
+        });
+      };
+      // What thinning has taken is 0 on average. With it a half space that absorbs nothing
+      // reflects 1 in every batch, without noise.
+      const Estimate total = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        double sum = b.energy.thinned[channel];
+        for (int order = 0; order < kTallyOrders; ++order) sum += b.energy.up[order][channel];
+        return sum;
+      });
+      const Estimate direct = reflected(1);
+      energy.total[c] = total.value;
+      energy.total_error[c] = total.standard_error;
+      energy.direct[c] = direct.value;
+      energy.direct_error[c] = direct.standard_error;
+      for (const BatchTally& b : simulation.batches())
+        mirrored_by_flakes += b.energy.specular_up[channel];
+    }
+    energies_.push_back(energy);
   }
-  source_ = fmt::format("{} next-event walks for each of {} incoming cosines", request.effort.walks,
-                        kMuNodes);
+  source_ = fmt::format("{} next-event walks for each of {} outgoing cosines", request.effort.walks,
+                        Grid::kOut);
+  // Straight on every azimuth is the same: what walks found at each of them is one value.
+  for (int a = 0; a < Grid::kAlpha; ++a) {
+    Rgb mean;
+    for (int b = 0; b < Grid::kBeta; ++b) mean += 1.0 / Grid::kBeta * rest_.at(0, a, b);
+    for (int b = 0; b < Grid::kBeta; ++b) rest_.at(0, a, b) = mean;
+  }
+  // Light that met mirrors only leaves as a delta, which no picture here has: energies with it say
+  // nothing of the table.
+  if (mirrored_by_flakes > 0) {
+    energies_.clear();
+    source_ += ", without the mirror image of its delta flakes";
+  }
+}
+
+void LobeTable::scale_to_energies() {
+  const std::size_t count = kScalesPerNode * (Grid::kOut - 1) + 1;
+  scales_.assign(count, Rgb(1));
+  if (energies_.empty()) return;
+  std::vector<Rgb> first(count), shape(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    const double mu = Grid::node_mu(static_cast<double>(k) / kScalesPerNode);
+    const Direction wo = direction_from_mu_phi(mu, 0);
+    const auto raised = [](Direction wi) { return raised_to(wi, Grid::kLeastMu); };
+    first[k] =
+        lobe_cells([&](Direction wi) { return order_one(stack_, raised(wi), wo); }, mu).energy;
+    shape[k] = lobe_cells([&](Direction wi) { return rest_(raised(wi), wo); }, mu).energy;
+  });
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> wanted;
+    for (std::size_t o = 0; o < energies_.size(); ++o) {
+      const RestEnergy& e = energies_[o];
+      const double order_one_energy = first[kScalesPerNode * o][c];
+      const bool total_is_better =
+          e.total_error[c] + kLobeTolerance * order_one_energy < e.direct_error[c];
+      wanted.push_back(
+          std::max(total_is_better ? e.total[c] - order_one_energy : e.direct[c], 0.0));
+    }
+    for (std::size_t k = 0; k < count; ++k)
+      if (shape[k][c] > 0)
+        scales_[k][c] =
+            std::max(interpolated(wanted, static_cast<double>(k) / kScalesPerNode), 0.0) /
+            shape[k][c];
+  }
 }
 
 LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
                           const SolverReport& report) {
   LobeTable table;
   table.stack_ = request.stack;
-  table.values_.resize(static_cast<std::size_t>(kMuNodes) * kMuNodes * kPhiNodes);
   check_estimator(request);
   const bool solvable = !why_not_deterministic(request.stack) && request.given.empty();
   const bool must = request.estimator == Estimator::deterministic;
+  std::optional<std::string> unsolved = "not tried";
   if (must || (solvable && !request.estimator)) {
-    const double worst = must ? std::numeric_limits<double>::infinity() : kWorst;
-    const auto reason = table.solve(request.stack, worst, stop, report);
-    if (!reason) return table;
-    if (must) refuse_answer(request.stack, *reason);
+    unsolved = table.solve(request.stack, must, stop, report);
+    if (unsolved && must) refuse_answer(request.stack, *unsolved);
   }
-  table.walk(request, stop);
+  if (unsolved) table.walk(request, stop);
+  table.scale_to_energies();
   return table;
 }
 

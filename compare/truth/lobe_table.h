@@ -1,51 +1,59 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "compare/request/interrupt.h"
 #include "compare/request/truth_request.h"
+#include "compare/truth/half_vector_grid.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {
 
+/// Walks per outgoing node where no number is asked for: enough for a picture.
+inline constexpr std::uint64_t kPreviewWalks = 10000;
+
 /// The reflection of a stack that is symmetric about z at any pair of directions, fast enough for a
-/// picture: exact single scattering plus an interpolated table of the rest, which is smooth.
-/// For pictures: the interpolation has no stated bound, and deltas are left out.
+/// picture: exact single scattering plus an interpolated table of the other orders.
+///
+/// The integral over the hemisphere is right where single values are not: the table is scaled, for
+/// every w_o, to the energy of the orders that it stands for, which solver and walks know better
+/// than any interpolation. Under uniform light a picture so shows the stack's directional albedo,
+/// within kLobeTolerance and what the energies' own errors are (source() tells them). For pictures:
+/// the interpolation of single values has no stated bound, and deltas are left out.
 class LobeTable {
  public:
-  /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = kLeastMu.
+  /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = HalfVectorGrid::kLeastMu.
   [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const;
 
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
 
-  /// By adding and doubling where that applies, else by as many next-event walks per incoming node
-  /// as are asked for. For stacks that `check_preview` lets pass. `stop` ends each node early.
+  /// By adding and doubling where that applies and comes near enough (the estimator `auto`), else
+  /// by as many next-event walks per outgoing node as are asked for. For stacks that
+  /// `check_preview` lets pass.
   [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop,
                                       const SolverReport& report = {});
 
-  static constexpr int kMuNodes = 24, kPhiNodes = 25;
-  static constexpr double kLeastMu = 0.01;
-  /// Nodes lie closer towards grazing: mu = kLeastMu + (1 - kLeastMu) (k / (kMuNodes - 1))^2.
-  [[nodiscard]] static double node_mu(int k);
-
  private:
-  [[nodiscard]] Rgb& at(int i, int o, int p) {
-    return values_[(static_cast<std::size_t>(i) * kMuNodes + o) * kPhiNodes + p];
-  }
-  [[nodiscard]] Rgb at(int i, int o, int p) const {
-    return values_[(static_cast<std::size_t>(i) * kMuNodes + o) * kPhiNodes + p];
-  }
-  // Why the solver has no answer, if it has none, or one whose error is above `worst`.
-  std::optional<std::string> solve(const Stack& stack, double worst, const StopFlag* stop,
+  // The share of light from a node's direction that leaves on its side after two events and more,
+  // by two ways, with their errors.
+  struct RestEnergy {
+    Rgb direct, direct_error;  // those orders' own
+    Rgb total, total_error;    // of all orders: less the closed form of order 1
+  };
+  // Why the solver has no answer, if it has none, or one that is not near enough and no `must`.
+  std::optional<std::string> solve(const Stack& stack, bool must, const StopFlag* stop,
                                    const SolverReport& report);
   void walk(const TruthRequest& request, const StopFlag* stop);
+  void scale_to_energies();
 
   Stack stack_;
-  std::vector<Rgb> values_;  // orders 2 and up
+  HalfVectorGrid rest_;               // orders 2 and up
+  std::vector<Rgb> scales_;           // of them at every node in mu_o and halfway between two
+  std::vector<RestEnergy> energies_;  // of the nodes in mu_o
   std::string source_;
 };
 

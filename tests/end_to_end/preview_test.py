@@ -40,6 +40,33 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         means = self.views("white.toml", "--model", "lambert")["sphere", "environment"]
         self.assertAlmostEqual(means["truth"], 1, delta=0.01)
 
+    def test_white_stacks_and_models_are_seen_as_1_at_every_roughness(self):
+        models = ["--model", "eon,roughness=1,albedo=1", "--model", "lambert,albedo=1"]
+        # Walks for the narrow ones, of which the solver cannot have enough modes; both for 0.5.
+        for roughness, by in ((0.02, ["--walks", "200"]), (0.05, ["--walks", "200"]),
+                              (0.5, ["--walks", "200"]), (0.5, [])):
+            self.write("white.toml", f'[[layer]]\nmedium = "sggx"\nroughness = {roughness}\nthickness = inf\n')
+            views = self.views("./white.toml", *models, *by)
+            for scene in ("sphere", "plane"):
+                for name, mean in views[scene, "environment"].items():
+                    with self.subTest(roughness=roughness, scene=scene, name=name, by=by):
+                        self.assertAlmostEqual(mean, 1, delta=0.005)
+                # Nor is any pixel brighter by more than the noise of 200 walks between two nodes.
+                shown = self.json_of("show", f"out/{scene}_environment.exr", "--quiet")["channels"]
+                for channel in shown:
+                    self.assertLess(channel["greatest"], 1.01, (roughness, scene, channel["name"]))
+
+    def test_equal_runs_are_equal_whatever_the_number_of_threads(self):
+        self.write("rough.toml", '[[layer]]\nmedium = "sggx"\nroughness = 0.2\nthickness = 3\nalbedo = [1, 0.8, 0.5]\n')
+        self.lamella("preview", "lambert_sphere_halfspace", *QUIET, "--model", "lambert", "-o", "light")
+        files = []
+        for threads in ("1", "2", "5"):
+            self.lamella("preview", "./rough.toml", *QUIET, "--model", "single_scattering", "--walks", "200",
+                         "--environment", "light/sphere_lamp.exr", "--threads", threads, "-o", threads)
+            files.append((self.folder / threads / "sphere_environment.exr").read_bytes())
+        self.assertEqual(files[1], files[0])
+        self.assertEqual(files[2], files[0])
+
     def test_walks_and_the_solver_show_the_same(self):
         solved = self.views("sggx_slab", "--model", "lambert")
         walked = self.views("sggx_slab", "--model", "lambert", "--estimator", "next-event", "--walks", "4000")

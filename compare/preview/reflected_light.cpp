@@ -1,0 +1,204 @@
+#include "compare/preview/reflected_light.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "compare/truth/lobe_cells.h"
+
+namespace lamella {
+namespace {
+
+// What the middles of nodes may leave of a lobe's energy, were all their errors of one sign. They
+// are not: a peak's tops and flanks differ in it.
+constexpr double kMiddleTolerance = 1e-2;
+// Radians across a node at most, whatever the lobe.
+constexpr double kMostExtent = 0.2;
+// Nodes that cross the horizon are halved down to this extent [radians]: the cosine there is as
+// small.
+constexpr double kHorizonExtent = 0.05;
+// Where halving ends [radians].
+constexpr double kLeastExtent = 2e-4;
+constexpr double kLeastMu = 1e-3;
+
+// Angles of w_o crowd towards grazing.
+double angle_mu(double k) {
+  const double most = std::acos(kLeastMu);
+  return std::cos(most * (1 - std::pow(1 - k / ReflectedLight::kAngles, 1.5)));
+}
+
+double place_of_mu(double mu) {
+  const double left = 1 - std::acos(std::clamp(mu, kLeastMu, 1.0)) / std::acos(kLeastMu);
+  return ReflectedLight::kAngles * (1 - std::cbrt(left * left));
+}
+
+// A frame about n in which w_o has the azimuth 0.
+Frame<double> frame_of(Direction n, Direction to_viewer) {
+  const Direction across = to_viewer - dot(to_viewer, n) * n;
+  if (dot(across, across) < 1e-20) return frame_around(n);
+  const Direction x = normalized(across);
+  return {x, cross(n, x), n};
+}
+
+}  // namespace
+
+ReflectedLight::ReflectedLight(Reflection f, const Environment& environment)
+    : f_(std::move(f)), environment_(environment), albedos_(kAngles + 1), sizes_(kAngles + 1) {
+  tbb::parallel_for(0, kAngles + 1, [&](int k) {
+    const double mu = angle_mu(k);
+    const Direction wo = direction_from_mu_phi(mu, 0);
+    const LobeCells lobe = lobe_cells([&](Direction wi) { return f_(wi, wo); }, mu);
+    albedos_[k] = lobe.energy;
+    if (environment_.is_uniform()) return;
+    sizes_[k] = sizes_of(lobe);
+  });
+}
+
+// A cell of which n nodes are made owes 1/n of what its own middle would: least nodes for a given
+// error in all where n goes like the root of that.
+ReflectedLight::Sizes ReflectedLight::sizes_of(const LobeCells& lobe) {
+  Sizes sizes(kColumns * kRows, static_cast<float>(kMostExtent));
+  double roots = 0;
+  for (const LobeCells::Cell& cell : lobe.cells) roots += std::sqrt(cell.middle_error);
+  const double allowed = kMiddleTolerance * lobe.energy.max() / 2;  // half a disc
+  for (const LobeCells::Cell& cell : lobe.cells) {
+    const double nodes = std::sqrt(cell.middle_error) * roots / allowed;
+    if (!(nodes > 0)) continue;
+    const auto size = static_cast<float>(cell.size / std::sqrt(nodes));
+    const double h = cell.size / 2;
+    for (int j = row_of(cell.y - h); j <= row_of(cell.y + h); ++j)
+      for (int i = column_of(cell.x - h); i <= column_of(cell.x + h); ++i) {
+        float& s = sizes[j * kColumns + i];
+        s = std::min(s, size);
+      }
+  }
+  // A node reaches beyond the place where its extent is asked for: extents grow no faster than the
+  // distance from where they are small. Once over all places, there and back.
+  constexpr float kStep = 2.f / kColumns, kDiagonal = 1.41421356f * kStep;
+  static_assert(kColumns == 2 * kRows, "places are squares");
+  const auto relax = [&](int i, int j, int di, int dj, float step) {
+    if (i + di < 0 || i + di >= kColumns || j + dj < 0 || j + dj >= kRows) return;
+    float& s = sizes[j * kColumns + i];
+    s = std::min(s, sizes[(j + dj) * kColumns + i + di] + step);
+  };
+  for (const int d : {-1, 1})
+    for (int j = d < 0 ? 0 : kRows - 1; j >= 0 && j < kRows; j -= d)
+      for (int i = d < 0 ? 0 : kColumns - 1; i >= 0 && i < kColumns; i -= d) {
+        relax(i, j, d, 0, kStep);
+        relax(i, j, 0, d, kStep);
+        relax(i, j, -1, d, kDiagonal);
+        relax(i, j, 1, d, kDiagonal);
+      }
+  return sizes;
+}
+
+int ReflectedLight::column_of(double x) {
+  return std::clamp(static_cast<int>((x + 1) / 2 * kColumns), 0, kColumns - 1);
+}
+
+int ReflectedLight::row_of(double y) {
+  return std::clamp(static_cast<int>(y * kRows), 0, kRows - 1);
+}
+
+Rgb ReflectedLight::albedo(double mu_o) const {
+  const double place = place_of_mu(mu_o);
+  const int k = std::min(static_cast<int>(place), kAngles - 1);
+  const double x = place - k;
+  return (1 - x) * albedos_[k] + x * albedos_[k + 1];
+}
+
+double ReflectedLight::largest_extent(std::size_t angle, Direction local) const {
+  const DiscPoint p = on_lambert_disc(local);
+  const auto at = static_cast<std::size_t>(row_of(std::abs(p.y)) * kColumns + column_of(p.x));
+  return std::max<double>(std::min(sizes_[angle][at], sizes_[angle + 1][at]), kLeastExtent);
+}
+
+// The sum over the tree's nodes for one surface and viewer.
+struct ReflectedLight::Gathering {
+  const ReflectedLight& light;
+  Frame<double> frame;
+  Direction wo;
+  std::size_t angle;
+  Rgb sum{};
+
+  void add(Rgb flux, Direction centroid) {
+    const double cosine = dot(centroid, frame.n);
+    if (cosine <= 0) return;
+    const Direction local = normalized(frame.to_local(centroid));
+    sum += cosine * (light.f_(local, wo) * flux);
+  }
+
+  // Whether a rectangle is to be halved; nothing where it lies below the horizon.
+  [[nodiscard]] std::optional<bool> is_large(Direction middle,
+                                             const Environment::Extent& extent) const {
+    const Direction local = frame.to_local(middle);
+    const double radius = (extent.latitude + extent.longitude) / 2;
+    if (local.z <= -radius) return std::nullopt;
+    const double across = std::max(extent.latitude, extent.longitude);
+    if (local.z < radius && across > kHorizonExtent) return true;
+    return across > light.largest_extent(angle, local);
+  }
+
+  void visit(const Environment::Node& node) {
+    const Environment& environment = light.environment_;
+    if (node.flux[0] == 0 && node.flux[1] == 0 && node.flux[2] == 0) return;
+    const auto large = is_large(environment.middle(node), environment.extent(node));
+    if (!large) return;
+    if (*large && node.children >= 0) {
+      const auto children = static_cast<std::size_t>(node.children);
+      visit(environment.nodes()[children]);
+      visit(environment.nodes()[children + 1]);
+      return;
+    }
+    const Rgb flux(node.flux[0], node.flux[1], node.flux[2]);
+    if (*large && environment.blocks_are_texels())
+      halve(flux, environment.longitude(node.column),
+            environment.longitude(node.column + node.columns), environment.polar_angle(node.row),
+            environment.polar_angle(node.row + node.rows));
+    else
+      add(flux, {node.centroid[0], node.centroid[1], node.centroid[2]});
+  }
+
+  // A part of a block, whose radiance is constant.
+  void part(Rgb flux, double left, double right, double top, double bottom) {
+    const Direction middle = lat_long_direction((left + right) / 2, (top + bottom) / 2);
+    const double sine =
+        top < kPi / 2 && bottom > kPi / 2 ? 1 : std::max(std::sin(top), std::sin(bottom));
+    const auto large = is_large(middle, {bottom - top, (right - left) * sine});
+    if (!large) return;
+    if (*large)
+      halve(flux, left, right, top, bottom);
+    else
+      add(flux, middle);
+  }
+
+  void halve(Rgb flux, double left, double right, double top, double bottom) {
+    const double sine = std::sin((top + bottom) / 2);
+    if (bottom - top >= (right - left) * sine) {
+      const double between = (top + bottom) / 2;
+      const double share = (std::cos(top) - std::cos(between)) / (std::cos(top) - std::cos(bottom));
+      part(share * flux, left, right, top, between);
+      part((1 - share) * flux, left, right, between, bottom);
+    } else {
+      const double between = (left + right) / 2;
+      part(0.5 * flux, left, between, top, bottom);
+      part(0.5 * flux, between, right, top, bottom);
+    }
+  }
+};
+
+Rgb ReflectedLight::operator()(Direction n, Direction to_viewer) const {
+  const Frame<double> frame = frame_of(n, to_viewer);
+  const Direction wo = frame.to_local(to_viewer);
+  const Rgb uniform = environment_.uniform() * albedo(wo.z);
+  if (environment_.is_uniform()) return uniform;
+  const auto angle =
+      static_cast<std::size_t>(std::min(static_cast<int>(place_of_mu(wo.z)), kAngles - 1));
+  Gathering gathering{*this, frame, wo, angle};
+  gathering.visit(environment_.nodes().front());
+  return uniform + gathering.sum;
+}
+
+}  // namespace lamella

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "compare/preview/environment.h"
+#include "compare/truth/lobe_cells.h"
+#include "phase/math/color.h"
+#include "phase/math/direction.h"
+
+namespace lamella {
+
+/// f [1/sr] of a surface, w_i and w_o above it, without a preferred azimuth.
+using Reflection = std::function<Rgb(Direction wi, Direction wo)>;
+
+/// Radiance that a surface sends to its viewer under light from everywhere: the integral of
+/// f L mu_i over the hemisphere.
+///
+/// Light that is the same from all sides needs the directional albedo of w_o only, integrated once
+/// over the cells of lobe_cells.h for kAngles angles of w_o and linear between them. The rest of a
+/// picture is summed over the nodes of its tree (environment.h), each descended into until it is
+/// small beside the lobe's own cells there: flux and cosine of a node are exact, and f is taken at
+/// the centroid of the node's light. So a small sun has its whole irradiance wherever it stands,
+/// and a narrow lobe is resolved wherever it lies. No random numbers: equal runs are equal,
+/// whatever the number of threads.
+///
+/// Error, of the energy of a lobe: kLobeTolerance under uniform light; below 0.3 % under a picture
+/// of any contrast (tests hold both at roughness 0.02 to 1).
+class ReflectedLight {
+ public:
+  static constexpr int kAngles = 96;
+
+  /// Runs in the calling thread's task arena. The environment must outlive this object.
+  ReflectedLight(Reflection f, const Environment& environment);
+
+  /// n: the unit normal; to_viewer: unit, above the surface.
+  [[nodiscard]] Rgb operator()(Direction n, Direction to_viewer) const;
+
+  /// The share of light from all sides that is sent to a viewer at this cosine.
+  [[nodiscard]] Rgb albedo(double mu_o) const;
+
+ private:
+  // Of Lambert's half disc (lobe_cells.h): x in [-1, 1], |y| in [0, 1].
+  static constexpr int kColumns = 256, kRows = 128;
+  [[nodiscard]] static int column_of(double x);
+  [[nodiscard]] static int row_of(double y);
+  // Of one angle: the largest extent [radians] of a node about a place of the half disc.
+  using Sizes = std::vector<float>;
+  [[nodiscard]] static Sizes sizes_of(const LobeCells& lobe);
+  struct Gathering;
+  [[nodiscard]] double largest_extent(std::size_t angle, Direction local) const;
+
+  Reflection f_;
+  const Environment& environment_;
+  std::vector<Rgb> albedos_;
+  std::vector<Sizes> sizes_;
+};
+
+}  // namespace lamella
