@@ -2,7 +2,7 @@
 
 BUILD_PACKAGES := g++ cmake ninja-build pkg-config libboost-dev libtbb-dev libopenexr-dev \
   libeigen3-dev librandom123-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
-  libcairo2-dev fonts-dejavu-core libceres-dev libhwy-dev libopenvdb-dev libembree-dev
+  libcairo2-dev fonts-dejavu-core libceres-dev libhwy-dev libssl-dev libopenvdb-dev libembree-dev
 TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jsonschema \
   clang libclang-rt-14-dev chromium
 # Node.js with npm, wherever it comes from.

@@ -44,9 +44,12 @@ int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);
 int explain_command(const Options& options);
-int models_command(const Options& options);
-int media_command(const Options& options);
-int stacks_command(const Options& options);
+/// The names that a command of lists (models, media, stacks) can show one by one; else none.
+[[nodiscard]] std::vector<std::string> listed_names(const std::string& command);
+/// `name`: of the one to show; empty: all of them.
+int models_command(const Options& options, const std::string& name);
+int media_command(const Options& options, const std::string& name);
+int stacks_command(const Options& options, const std::string& name);
 int measure_command(const Options& options);
 /// `name`: of a published figure; empty: lists them.
 int reproduce_command(const Options& options, const std::string& name,
@@ -63,14 +66,15 @@ struct ClosedFormOptions {
   std::uint64_t samples = 100000;
   std::string sampling{};  ///< the model whose sampling lobes are fitted
   bool bond = false;       ///< light from everywhere instead of --wi
+  bool all = false;        ///< samplers: every row and the times, where no model is named
 };
 
 /// Variance and largest weight of models' samplers.
 int samplers_command(const Options& options, const ClosedFormOptions& closed);
 /// SpongeCake's further lobes for a stack, or a model's sampling lobes.
 int fit_command(const Options& options, const ClosedFormOptions& closed);
-/// The albedo that gives a colour. `words`: a model or stack and its key=value arguments, color
-/// among them.
+/// The albedo that gives a colour. `words`: a model or stack and its key=value arguments, the
+/// colour as albedo among them.
 int invert_command(const Options& options, const ClosedFormOptions& closed,
                    const std::vector<std::string>& words);
 /// The white furnace of models over the whole range of their parameters.

@@ -4,6 +4,7 @@
 
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
+#include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
 #include "compare/judge/stack_comparison.h"
@@ -11,12 +12,14 @@
 #include "compare/preview/preview_views.h"
 #include "compare/report/comparison_report.h"
 #include "compare/report/json_report.h"
+#include "compare/report/lobe_files.h"
 #include "compare/report/report_page.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/run_monitor.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 namespace {
@@ -56,13 +59,17 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
   if (options.preview) check_preview("compare --preview", stack);
   GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
   const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
+  const InputFiles inputs(stack, objects_of(models));
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
   make_output_folder(folder);
+  const FolderLock lock(folder);
 
   const StackComparison comparison = compare_stack(truth, models);
+  inputs.check();
   Json answer = comparison_json(request, comparison), details = comparison_details(comparison);
+  add_files(answer, inputs);
   std::string summary = comparison_summary(request, comparison);
-  const int drawn = write_comparison_files(folder, request, comparison, formats);
+  const int drawn = write_comparison_files(folder, request, comparison, formats, inputs);
   if (options.preview && !user_interrupt) {
     const RunMonitor monitor = terminal_monitor(options);
     const LobeTable lobes = LobeTable::make(preview_request(request), monitor.stop, monitor.solver);
@@ -70,12 +77,13 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
     const PreviewLighting lighting;
     const std::vector<PreviewResult> views = preview_views(lobes, models, distinct_names(models),
                                                            lighting, options.size, &user_interrupt);
-    write_preview_files(folder + "/preview_", views, lobes, stack, lighting, formats);
+    write_preview_files(folder + "/preview_", views, lobes, named_for_image(request, folder).stack,
+                        lighting, formats);
     answer["previews"] = to_json(views);
     if (!formats.empty()) details["previews"] = preview_page_details(views, lobes, lighting);
     summary += fmt::format("\npreview: truth by {}\n{}", lobes.source(), preview_table(views));
   }
-  write_file(folder + "/report.json", answer.dump(2) + "\n");
+  write_json(answer, folder + "/report.json");
   write_file(folder + "/summary.txt", summary);
   write_report_page(folder + "/report.html", stack.name + ": closed forms against ground truth",
                     answer, details);

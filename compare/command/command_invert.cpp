@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
 #include "analytic/catalogue/model_plugin.h"
 #include "analytic/model/stochastic_model.h"
@@ -50,27 +52,53 @@ Lighting lighting_of(const Options& options, const ClosedFormOptions& closed, co
   return {{{incident_directions(options, stack ? *stack : Stack{}).front(), 1.0}}};
 }
 
+// The colour that is to be had, a directional albedo, as "albedo" or by its older name "color".
 Rgb take_color(KeyValues& values, const std::string& what) {
   const ParameterInfo info{
-      .name = "color", .kind = ParameterKind::color, .unit = "1", .doc = "", .min = 0, .max = 1};
-  for (auto it = values.begin(); it != values.end(); ++it)
-    if (it->first == "color") {
-      const std::string text = it->second;
-      values.erase(it);
-      try {
-        return std::get<Rgb>(parse_value(info, text));
-      } catch (const ParameterError& error) {
-        throw UsageError(fmt::format("{}: {}", what, error.what()));
-      }
+      .name = "albedo", .kind = ParameterKind::color, .unit = "1", .doc = "", .min = 0, .max = 1};
+  std::optional<Rgb> color;
+  for (auto it = values.begin(); it != values.end();) {
+    if (it->first != "albedo" && it->first != "color") {
+      ++it;
+      continue;
     }
-  throw UsageError(
-      fmt::format("{}: key \"color\": found nothing; allowed: {}", what, allowed_values(info)));
+    if (color)
+      throw UsageError(fmt::format("{}: key \"{}\": found {} as a second colour; allowed: one",
+                                   what, it->first, it->second));
+    try {
+      color = std::get<Rgb>(parse_value(info, it->second));
+    } catch (const ParameterError& error) {
+      throw UsageError(fmt::format("{}: {}", what, error.what()));
+    }
+    it = values.erase(it);
+  }
+  if (!color)
+    throw UsageError(
+        fmt::format("{}: key \"albedo\": found nothing; allowed: {}", what, allowed_values(info)));
+  return *color;
 }
 
 std::string text_of(Rgb c) {
   std::string text = to_text(ParameterValue(c));
   std::erase_if(text, [](char x) { return x == '[' || x == ']' || x == ' '; });
   return text;
+}
+
+// A word that is neither a model nor a stack may be a mistyped one of both.
+void refuse_unknown_word(const std::string& what) {
+  if (what == "-" || what.find_first_of("./") != std::string::npos || std::filesystem::exists(what))
+    return;
+  std::vector<std::string> names;
+  for (const BuiltinStack& stack : builtin_stacks()) {
+    if (stack.name == what) return;
+    names.push_back(stack.name);
+  }
+  for (const ModelInfo& info : models()) names.push_back(info.name);
+  const std::string hint = suggestion(what, names);
+  throw UsageError(fmt::format(
+      "invert: found \"{}\"{}; allowed: a model (lamella models lists them), a TOML file, - for "
+      "stdin, or a built-in stack (lamella stacks lists them)",
+      what, hint.empty() ? "" : ", " + hint));
 }
 
 struct CsvAnswer {
@@ -83,10 +111,6 @@ CsvAnswer invert_model(const std::string& name, const ModelInfo& info, const Key
   if (!find(info.parameters, "albedo"))
     throw UsageError(fmt::format(
         "invert: found \"{}\", which has no albedo; allowed: a model with one, or a stack", name));
-  for (const auto& [key, value] : values)
-    if (key == "albedo")
-      throw UsageError(fmt::format(
-          "{}: key \"albedo\": found {}; allowed: nothing, it is looked for", name, value));
   const Lighting lighting = lighting_of(options, closed, nullptr);
   Rgb error;  // of the last colour
   const auto color = [&](Rgb albedo) {
@@ -162,14 +186,15 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
     if (info) {
       answer = invert_model(what, *info, values, target, options, closed);
     } else {
+      refuse_unknown_word(what);
       const Stack stack = with_surface_model(load_stack(what));
       if (!values.empty())
         throw UsageError(
-            fmt::format("{}: key \"{}\": unknown; allowed: color", what, values[0].first));
+            fmt::format("{}: key \"{}\": unknown; allowed: albedo", what, values[0].first));
       answer = invert_stack(stack, target, options, closed);
     }
   } catch (const UnreachableColor& error) {
-    throw UsageError(fmt::format("{}: key \"color\": {}", what, error.what()));
+    throw UsageError(fmt::format("{}: key \"albedo\": {}", what, error.what()));
   }
   const AlbedoInversion& found = answer.inversion;
   if (!options.quiet) {

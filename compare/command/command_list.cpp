@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include "analytic/catalogue/model_plugin.h"
 #include "analytic/model/model.h"
 #include "compare/command/command.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/report/wrapped_text.h"
+#include "compare/request/errors.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/pilot.h"
@@ -18,10 +21,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// "    name       text", the text below itself.
+std::string list_entry(const std::string& name, const std::string& text) {
+  return wrapped(fmt::format("    {:<10} ", name), text, 15);
+}
+
 void print_parameters(std::FILE* out, const std::vector<ParameterInfo>& parameters) {
   for (const ParameterInfo& p : parameters)
-    fmt::print(out, "    {:<10} [{}] {}; {}{}\n", p.name, p.unit, p.doc, allowed_values(p),
-               p.default_value.empty() ? "" : "; default " + p.default_value);
+    fmt::print(
+        out, "{}",
+        list_entry(p.name,
+                   fmt::format("[{}] {}; {}{}", p.unit, p.doc, allowed_values(p),
+                               p.default_value.empty() ? "" : "; default " + p.default_value)));
+}
+
+void print_heading(std::FILE* out, const std::string& name, const std::string& doc,
+                   const std::string& source) {
+  fmt::print(out, "{}{}", wrapped(name + ": ", doc, 4), wrapped("    source: ", source));
 }
 
 Json to_json(const std::vector<ParameterInfo>& parameters) {
@@ -36,6 +52,27 @@ Json to_json(const std::vector<ParameterInfo>& parameters) {
 }
 
 Json list_answer(const std::string& command) { return {{"format", 1}, {"command", command}}; }
+
+// The one entry of that name, or all where there is none. `what`: "model", for the error.
+template <class Info>
+std::vector<Info> chosen_entries(const std::vector<Info>& all, const std::string& name,
+                                 const std::string& what) {
+  if (name.empty()) return all;
+  std::vector<std::string> names;
+  for (const Info& info : all) {
+    if (info.name == name) return {info};
+    names.push_back(info.name);
+  }
+  const std::string hint = suggestion(name, names);
+  throw UsageError(fmt::format("{} \"{}\": unknown{}; allowed: {}", what, name,
+                               hint.empty() ? "" : ", " + hint, listed(names)));
+}
+
+// What media and explicit geometry are told by.
+struct ListedMedium {
+  std::string name, doc, source;
+  std::vector<ParameterInfo> parameters;
+};
 
 }  // namespace
 
@@ -85,23 +122,41 @@ int explain_command(const Options& options) {
   return kDone;
 }
 
-int models_command(const Options& options) {
+std::vector<std::string> listed_names(const std::string& command) {
+  std::vector<std::string> names;
+  if (command == "models")
+    for (const ModelInfo& info : models()) names.push_back(info.name);
+  if (command == "stacks")
+    for (const BuiltinStack& stack : builtin_stacks()) names.push_back(stack.name);
+  if (command == "media") {
+    for (const MediumInfo& info : media()) names.push_back(info.name);
+    for (const GeometryInfo& info : geometries()) names.push_back(info.name);
+  }
+  return names;
+}
+
+int models_command(const Options& options, const std::string& name) {
   std::FILE* out = table_stream(options);
   Json answer = list_answer("models");
   answer["models"] = Json::array();
-  for (const ModelInfo& info : models()) {
+  const std::vector<ModelInfo> list = is_plugin_path(name)
+                                          ? std::vector{load_model_plugin(name)}
+                                          : chosen_entries(models(), name, "model");
+  for (const ModelInfo& info : list) {
     if (!options.quiet) {
-      fmt::print(out, "{}: {}\n    source: {}\n", info.name, info.doc, info.source);
-      if (info.needs_stack) fmt::print(out, "    stack      a stack file or a built-in stack\n");
+      print_heading(out, info.name, info.doc, info.source);
+      if (info.needs_stack)
+        fmt::print(out, "{}", list_entry("stack", "a stack file or a built-in stack"));
       print_parameters(out, info.parameters);
       if (!info.selector.empty())
         fmt::print(out, "    {0}_...   the keys of what {0} names, as they stand there\n",
                    info.selector);
       for (const LobeInfo& lobe : info.lobes)
-        fmt::print(out, "    .{:<9} {}; stands for order {}\n", lobe.name, lobe.doc,
-                   to_text(lobe.order));
+        fmt::print(
+            out, "{}",
+            list_entry("." + lobe.name, lobe.doc + "; stands for order " + to_text(lobe.order)));
       for (const PartInfo& part : info.parts)
-        fmt::print(out, "    .{:<9} {}\n", part.name, part.doc);
+        fmt::print(out, "{}", list_entry("." + part.name, part.doc));
     }
     Json lobes = Json::array();
     for (const LobeInfo& lobe : info.lobes)
@@ -123,13 +178,18 @@ int models_command(const Options& options) {
   return kDone;
 }
 
-int media_command(const Options& options) {
+int media_command(const Options& options, const std::string& name) {
   std::FILE* out = table_stream(options);
   Json answer = list_answer("media");
   answer["media"] = Json::array();
-  for (const MediumInfo& info : media()) {
+  std::vector<ListedMedium> all;
+  for (const MediumInfo& info : media())
+    all.push_back({info.name, info.doc, info.source, info.parameters});
+  for (const GeometryInfo& info : geometries())
+    all.push_back({info.name, info.doc, info.source, info.parameters});
+  for (const ListedMedium& info : chosen_entries(all, name, "medium")) {
     if (!options.quiet) {
-      fmt::print(out, "{}: {}\n    source: {}\n", info.name, info.doc, info.source);
+      print_heading(out, info.name, info.doc, info.source);
       print_parameters(out, info.parameters);
     }
     answer["media"].push_back({{"name", info.name},
@@ -137,40 +197,38 @@ int media_command(const Options& options) {
                                {"source", info.source},
                                {"parameters", to_json(info.parameters)}});
   }
-  for (const GeometryInfo& info : geometries()) {
-    if (!options.quiet) {
-      fmt::print(out, "{}: {}\n    source: {}\n", info.name, info.doc, info.source);
-      print_parameters(out, info.parameters);
-    }
-    answer["media"].push_back({{"name", info.name},
-                               {"doc", info.doc},
-                               {"source", info.source},
-                               {"parameters", to_json(info.parameters)}});
-  }
-  if (!options.quiet)
+  if (!options.quiet && (name.empty() || find_geometry(name)))
+    fmt::print(out, "{}",
+               wrapped("",
+                       "sphere_bed, packed_sphere_bed and micrograins are explicit geometry: "
+                       "the only layer of their stack, with an albedo, but neither density nor "
+                       "an infinite thickness"));
+  if (!options.quiet && (name.empty() || find_medium(name)))
     fmt::print(
-        out,
-        "sphere_bed, packed_sphere_bed and micrograins are explicit geometry: the only layer of "
-        "their stack, with an albedo, but neither density nor an infinite thickness\n"
-        "every other layer: albedo [1] a number or [r, g, b] in [0, 1], default 1; thickness [mm], "
-        "inf for a half space; density [1/mm], default 1; grid, a .vdb file whose \"density\" "
-        "multiplies it from voxel to voxel, with size [mm], two numbers in [1e-06, 1e+06], its "
-        "lateral "
-        "period, and grid_albedo, \"file\" (default) or \"white\"; of a .vdb file with other "
-        "names in it: density_grid, orientation_grid, roughness_grid, albedo_grid, the grids' "
-        "names; of one that does not tell its tile: voxels, three whole numbers [x, y, z], and "
-        "first_voxel, the index of the lowest one, default [0, 0, 0]\n");
+        out, "{}",
+        wrapped(name.empty() ? "every other layer: " : "a layer also has ",
+                "albedo [1] a number or [r, g, b] in [0, 1], default 1; thickness [mm], inf "
+                "for a half space; density [1/mm], default 1; grid, a .vdb file whose "
+                "\"density\" multiplies it from voxel to voxel, with size [mm], two "
+                "numbers in [1e-06, 1e+06], its lateral period, and grid_albedo, \"file\" "
+                "(default) or \"white\"; of a .vdb file with other names in it: density_grid, "
+                "orientation_grid, roughness_grid, albedo_grid, the grids' names; of one "
+                "that does not tell its tile: voxels, three whole numbers [x, y, z], and "
+                "first_voxel, the index of the lowest one, default [0, 0, 0]",
+                0));
   write_json(answer, options.json);
   return kDone;
 }
 
-int stacks_command(const Options& options) {
+int stacks_command(const Options& options, const std::string& name) {
   std::FILE* out = table_stream(options);
   Json answer = list_answer("stacks");
   answer["stacks"] = Json::array();
-  for (const BuiltinStack& stack : builtin_stacks()) {
+  for (const BuiltinStack& stack : chosen_entries(builtin_stacks(), name, "stack")) {
     if (!options.quiet)
-      fmt::print(out, "{:<26} {}\n{:<26} {}\n", stack.name, stack.doc, "", stack.source);
+      fmt::print(out, "{}{}", wrapped(fmt::format("{:<26} ", stack.name), stack.doc),
+                 wrapped(std::string(27, ' '), stack.source));
+    if (!options.quiet && !name.empty()) fmt::print(out, "\n{}", stack.toml);
     answer["stacks"].push_back(
         {{"name", stack.name}, {"doc", stack.doc}, {"source", stack.source}, {"toml", stack.toml}});
   }

@@ -4,6 +4,7 @@
 
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
+#include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
 #include "compare/options/progress.h"
@@ -43,6 +44,7 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
   const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
   make_output_folder(folder);
+  const FolderLock lock(folder);
   const RunMonitor monitor = terminal_monitor(options);
   TruthRequest of_truth = request;
   const auto& given = request.given;

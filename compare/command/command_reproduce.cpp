@@ -4,6 +4,7 @@
 
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
+#include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -75,6 +76,7 @@ int reproduce_command(const Options& options, const std::string& name,
                               .formats = picture_formats_of(pictures),
                               .walks = options.walks_given ? options.walks : found->walks};
   make_output_folder(context.folder);
+  const FolderLock lock(context.folder);
   if (context.table) fmt::print(out, "{}: {}\n{}\n\n", found->name, found->source, found->doc);
   catch_interrupts();
   answer["name"] = name;

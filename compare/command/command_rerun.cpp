@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 
 #include "compare/command/command.h"
@@ -19,16 +20,21 @@
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/stack/stack_file.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 namespace {
+
+namespace fs = std::filesystem;
 
 // What a file says of the run that made it.
 struct RecordedRun {
   TruthRequest request;  // as it was asked for
   Estimator estimator;   // that found it
   std::vector<std::uint64_t> walks;
-  std::string model;  // empty: the lobes of the truth alone
+  std::string model;           // empty: the lobes of the truth alone
+  Stack found{};               // the request's stack, its files where they are now
+  std::string model_object{};  // path of the shared object that the model comes from
 };
 
 const std::string& attribute(const ExrImage& image, const std::string& path,
@@ -40,6 +46,23 @@ const std::string& attribute(const ExrImage& image, const std::string& path,
                     "lamella simulate or compare wrote",
                     path, name));
   return found->second;
+}
+
+std::string attribute_or_nothing(const ExrImage& image, const std::string& name) {
+  const auto found = image.attributes.find("lamella." + name);
+  return found == image.attributes.end() ? "" : found->second;
+}
+
+// The stack with its grids where the files that were read lie now.
+Stack with_found_files(Stack stack, const ExrImage& image, const fs::path& path) {
+  for (Layer& layer : stack.layers)
+    if (layer.grid && is_file(*layer.grid)) {
+      const fs::path found = find_recorded(layer.grid->file, attribute_or_nothing(image, "files"),
+                                           path.parent_path(), path.string());
+      layer.grid->folder = found.parent_path().string();
+      layer.grid->file = found.filename().string();
+    }
+  return stack;
 }
 
 RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
@@ -107,19 +130,37 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   }
   if (request.directions.empty() || recorded.walks.size() != request.directions.size())
     throw broken("walks");
-  if (const auto model = image.attributes.find("lamella.model"); model != image.attributes.end())
-    recorded.model = model->second;
+  recorded.found = with_found_files(request.stack, image, path);
+  recorded.model = attribute_or_nothing(image, "model");
+  // With a slash, so that it is a path whatever its name is.
+  if (const std::string file = attribute_or_nothing(image, "model_file"); !file.empty())
+    recorded.model_object =
+        (fs::path(".") / find_recorded(file, attribute_or_nothing(image, "files"),
+                                       fs::path(path).parent_path(), path))
+            .string();
   return recorded;
 }
 
-ExrImage repeated(const RecordedRun& recorded, const RunMonitor& monitor) {
+struct RepeatedRun {
+  ExrImage image;  // its files named as the recorded one names them
+  InputFiles inputs;
+};
+
+RepeatedRun repeated(const RecordedRun& recorded, const RunMonitor& monitor) {
   // Walks are repeated as they were, not chosen again; what asked for them is kept in the header.
   TruthRequest request = recorded.request;
   if (recorded.estimator != Estimator::deterministic) request.estimator = recorded.estimator;
+  request.stack = recorded.found;
+  std::vector<fs::path> objects;
+  if (!recorded.model_object.empty()) objects.emplace_back(recorded.model_object);
+  InputFiles inputs(recorded.found, objects);
   GroundTruth truth(request, recorded.estimator, monitor);
   std::optional<BoundModel> model;
-  if (!recorded.model.empty())
-    model = model_for(parse_model_request(recorded.model), request.stack);
+  if (!recorded.model.empty()) {
+    ModelRequest asked = parse_model_request(recorded.model);
+    if (!recorded.model_object.empty()) asked.name = recorded.model_object;
+    model = model_for(asked, request.stack);
+  }
   std::vector<RunResult> runs;
   std::vector<LobeComparison> lobes;
   for (std::size_t k = 0; k < request.directions.size(); ++k) {
@@ -129,20 +170,34 @@ ExrImage repeated(const RecordedRun& recorded, const RunMonitor& monitor) {
     if (!model) continue;
     for (LobeComparison& l : judge(found, truth.plan(), *model)) lobes.push_back(std::move(l));
   }
-  return model ? comparison_image(recorded.request, runs, lobes, recorded.model)
-               : simulation_image(recorded.request, runs);
+  inputs.check();
+  return {model ? comparison_image(recorded.request, runs, lobes, recorded.model)
+                : simulation_image(recorded.request, runs),
+          std::move(inputs)};
+}
+
+// Names the files of a repeated run for its place, which need not be that of the first one.
+void name_for(ExrImage& image, const RecordedRun& recorded, const InputFiles& inputs,
+              const fs::path& folder) {
+  image.attributes["lamella.stack"] = to_toml(with_files_relative_to(recorded.found, folder));
+  if (!recorded.model_object.empty())
+    image.attributes["lamella.model_file"] = relative_to(recorded.model_object, folder).string();
+  record_files(image, inputs, folder);
 }
 
 }  // namespace
 
 int rerun_command(const Options& options) {
   ExrImage was = read_exr(options.stack);
-  ExrImage is = repeated(recorded_run(was, options.stack), terminal_monitor(options));
+  const RecordedRun recorded = recorded_run(was, options.stack);
+  auto [is, inputs] = repeated(recorded, terminal_monitor(options));
   const auto by_name = [](const auto& a, const auto& b) { return a.first < b.first; };
   std::sort(was.channels.begin(), was.channels.end(), by_name);
   std::sort(is.channels.begin(), is.channels.end(), by_name);
   std::vector<std::string> differences;
   for (const auto& [name, value] : was.attributes) {
+    // Found again by their content, wherever they lie now.
+    if (name == "lamella.files" || name == "lamella.model_file") continue;
     const auto found = is.attributes.find(name);
     if (found == is.attributes.end() || found->second != value)
       differences.push_back("attribute " + name);
@@ -161,7 +216,10 @@ int rerun_command(const Options& options) {
     for (std::size_t k = 0; k < values.size(); ++k)
       largest = std::max(largest, std::abs(static_cast<double>(values[k]) - found->second[k]));
   }
-  if (!options.output.empty()) write_exr(options.output, is);
+  if (!options.output.empty()) {
+    name_for(is, recorded, inputs, fs::path(options.output).parent_path());
+    write_exr(options.output, is);
+  }
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     if (differences.empty())

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -99,30 +100,62 @@ std::vector<double> angles(const ClosedFormOptions& closed) {
   return list;
 }
 
+void print_rows(std::FILE* out, const std::string& request, const Json& rows) {
+  fmt::print(out, "{}\n  {:>7} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7}\n", request, "theta_o",
+             "albedo", "mean", "+-", "variance", "max weight", "lost");
+  for (const Json& row : rows)
+    fmt::print(out, "  {:>7g} {:>9.5f} {:>9.5f} {:>9.1e} {:>11.4g} {:>11.4g} {:>7.4f}\n",
+               row["theta_o"].get<double>(), row["albedo"].get<double>(), row["mean"].get<double>(),
+               row["standard_error"].get<double>(), row["variance"].get<double>(),
+               row["max_weight"].get<double>(), row["lost"].get<double>());
+}
+
+// The rows that a line per model has room for, spread over all.
+std::vector<std::size_t> shown_rows(std::size_t count) {
+  constexpr std::size_t kMost = 5;
+  std::vector<std::size_t> list;
+  for (std::size_t k = 0; k < std::min(count, kMost); ++k)
+    list.push_back(count <= kMost ? k : k * (count - 1) / (kMost - 1));
+  return list;
+}
+
+// A line per model: what fits a screen.
+void print_summary(std::FILE* out, const Json& models, const std::vector<double>& thetas) {
+  fmt::print(out, "variance at theta_o, and the largest weight at any (--all: every row)\n  {:<40}",
+             "model");
+  const std::vector<std::size_t> shown = shown_rows(thetas.size());
+  for (const std::size_t k : shown) fmt::print(out, "{:>9g}", thetas[k]);
+  fmt::print(out, "{:>11}\n", "weight");
+  for (const Json& model : models) {
+    fmt::print(out, "  {:<40}", model["request"].get<std::string>());
+    for (const std::size_t k : shown)
+      fmt::print(out, "{:>9.3g}", model["rows"][k]["variance"].get<double>());
+    double largest = 0;
+    for (const Json& row : model["rows"])
+      largest = std::max(largest, row["max_weight"].get<double>());
+    fmt::print(out, "{:>11.4g}\n", largest);
+  }
+}
+
 }  // namespace
 
 int samplers_command(const Options& options, const ClosedFormOptions& closed) {
   std::FILE* out = table_stream(options);
   const Stack stack = stack_of(options);  // for models that are built from one
   const std::vector<double> thetas = angles(closed);
+  const bool summary = options.models.empty() && !closed.all;
   Json answer = json_header("samplers", options.seed, isa_of(options));
   answer["samples"] = closed.samples;
   answer["models"] = Json::array();
   for (const std::string& text : options.models.empty() ? default_requests() : options.models) {
     const BoundModel bound = bind_model(
         with_fitted_lobes(without_stack_key(parse_model_request(text), stack), stack), &stack);
-    if (!options.quiet)
-      fmt::print(out, "{}\n  {:>7} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7}\n", text, "theta_o",
-                 "albedo", "mean", "+-", "variance", "max weight", "lost");
     Json rows = Json::array();
     for (const double theta : thetas) {
       const Direction wo = direction_from_degrees(theta, 0);
       const SamplerStatistics s =
           sampler_statistics(*bound.model, wo, closed.samples, options.seed);
       const double albedo = bound.model->albedo(with_grazing_limit(wo)).max();
-      if (!options.quiet)
-        fmt::print(out, "  {:>7g} {:>9.5f} {:>9.5f} {:>9.1e} {:>11.4g} {:>11.4g} {:>7.4f}\n", theta,
-                   albedo, s.mean, s.mean_error, s.variance, s.max_weight, s.lost);
       rows.push_back({{"theta_o", theta},
                       {"albedo", albedo},
                       {"mean", s.mean},
@@ -131,9 +164,12 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
                       {"max_weight", s.max_weight},
                       {"lost", s.lost}});
     }
+    if (!options.quiet && !summary) print_rows(out, text, rows);
     answer["models"].push_back({{"request", text}, {"rows", std::move(rows)}});
   }
-  if (options.models.empty()) answer["times"] = measure_times(stack, options.quiet ? nullptr : out);
+  if (!options.quiet && summary) print_summary(out, answer["models"], thetas);
+  if (options.models.empty() && (closed.all || !options.json.empty()))
+    answer["times"] = measure_times(stack, options.quiet || summary ? nullptr : out);
   write_json(answer, options.json);
   return kDone;
 }

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
@@ -61,11 +63,13 @@ void print_run(std::FILE* out, const RunResult& run) {
 
 int simulate_command(const Options& options) {
   const TruthRequest request = truth_request(options, stack_of(options));
+  const InputFiles inputs(request.stack);
   const Stack& stack = request.stack;
   GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
   if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
   for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
+  inputs.check();
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out, "{}: {}, energies as fractions of the incident light{}\n", stack.name,
@@ -75,7 +79,10 @@ int simulate_command(const Options& options) {
     if (user_interrupt) fmt::print(out, "interrupted: what was done until then\n");
   }
   if (!options.output.empty()) {
-    write_exr(options.output, simulation_image(request, runs));
+    const auto folder = std::filesystem::path(options.output).parent_path();
+    ExrImage image = simulation_image(named_for_image(request, folder), runs);
+    record_files(image, inputs, folder);
+    write_exr(options.output, image);
     if (!options.quiet) fmt::print(out, "wrote {}\n", options.output);
   }
   nlohmann::ordered_json answer = json_header("simulate", request);
@@ -93,6 +100,7 @@ int simulate_command(const Options& options) {
   answer["seconds"] = seconds;
   answer["interrupted"] = user_interrupt.load();
   answer["runs"] = std::move(list);
+  add_files(answer, inputs);
   write_json(answer, options.json);
   return kDone;
 }

@@ -3,18 +3,23 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
 #include "compare/distribute/sweep_points.h"
+#include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/report/sweep_table.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/sweep_axis.h"
 #include "compare/request/truth_request.h"
 #include "phase/stack/builtin_stacks.h"
+#include "phase/stack/stack_file.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 namespace {
@@ -32,9 +37,26 @@ std::optional<Json> read_json(const fs::path& path) {
   return value;
 }
 
+// A model as --model has it, a shared object named for a text in `folder`.
+std::string named_model(const std::string& text, const fs::path& folder) {
+  const std::string name = parse_model_request(text).name;
+  if (!is_plugin_path(name)) return text;
+  return relative_to(name, folder).string() + text.substr(name.size());
+}
+
+// The shared objects among the models.
+std::vector<fs::path> objects_among(const std::vector<std::string>& models) {
+  std::vector<fs::path> paths;
+  for (const std::string& text : models)
+    if (const std::string name = parse_model_request(text).name; is_plugin_path(name))
+      paths.emplace_back(name);
+  return paths;
+}
+
 // What a point's answer depends on: a folder holds one sweep only.
-Json settings_of(const Options& options, const Stack& stack, const std::vector<SweepAxis>& axes) {
-  Json list = Json::array();
+Json settings_of(const Options& options, const Stack& stack, const std::vector<SweepAxis>& axes,
+                 const InputFiles& inputs, const fs::path& folder) {
+  Json list = Json::array(), models = Json::array();
   for (const SweepAxis& axis : axes) {
     Json values = Json::array();
     for (const double v : axis.values) values.push_back(json_number(v));
@@ -42,24 +64,27 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
   }
   Json walk_settings = Json::array();
   for (const WalkSetting setting : options.walk_settings) walk_settings.push_back(to_text(setting));
+  for (const std::string& text : options.models) models.push_back(named_model(text, folder));
   Json settings{{"version", LAMELLA_VERSION},
                 {"of", options.of},
-                {"stack", to_json(stack)},
+                {"stack", to_json(with_files_relative_to(stack, folder))},
+                {"files", inputs.json(folder)},
                 {"axes", std::move(list)},
                 {"incident", options.incident},
                 {"walks", options.walks},
                 {"grid", options.grid},
                 {"estimator", options.estimator},
-                {"isa", options.isa},
+                {"isa", to_text(isa_of(options))},
                 {"tolerance", options.tolerance},
                 {"walk_options", std::move(walk_settings)},
                 {"seed", options.seed},
-                {"models", options.models},
+                {"models", std::move(models)},
                 {"as_is", options.as_is}};
   settings["max_order"] = options.max_order ? Json(*options.max_order) : Json();
   settings["thin_from"] = options.thin_from ? Json(*options.thin_from) : Json();
   settings["target_error"] = options.target_error ? Json(*options.target_error) : Json();
   settings["time"] = options.seconds ? Json(*options.seconds) : Json();
+  settings["max_error"] = options.max_error ? Json(*options.max_error) : Json();
   return settings;
 }
 
@@ -67,6 +92,41 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
 CommandAnswer point_answer(const Options& options, const Stack& stack, const RunMonitor& monitor) {
   return options.of == "furnace" ? furnace_answer(options, stack, monitor)
                                  : compare_answer(options, stack, monitor);
+}
+
+// In words, where the sweep of a folder is another than the one that is asked for.
+std::string difference_of_settings(const Json& there, const Json& asked) {
+  if (const Json files = there.value("files", Json::array()); files != asked["files"])
+    for (const Json& file : asked["files"])
+      for (const Json& other : files)
+        if (other.value("name", "") == file["name"] && other != file)
+          return fmt::format("{} had another content, of sha256 {}",
+                             file["name"].get<std::string>(), other.value("sha256", "unknown"));
+  for (const auto& [key, value] : asked.items()) {
+    const Json other = there.value(key, Json());
+    if (other == value) continue;
+    const std::string was = other.dump(), is = value.dump();
+    constexpr std::size_t kShort = 60;
+    return was.size() > kShort || is.size() > kShort
+               ? fmt::format("its {} differs", key)
+               : fmt::format("its {} is {} instead of {}", key, was, is);
+  }
+  return "it has settings that are unknown here";
+}
+
+// The exit status that an answer stands for, as the command that gave it had it.
+int point_status(const Json& answer, const Options& options) {
+  if (options.of == "furnace") return answer.value("verdict", "") == "fail" ? kFailed : kDone;
+  if (!options.max_error) return kDone;
+  for (const Json& model : answer.value("models", Json::array()))
+    for (const Json& lobe : model.value("lobes", Json::array())) {
+      if (lobe.value("order", "") != "all") continue;
+      const Json error = lobe.value("relative_rmse_without_noise", Json());
+      if (error.is_number() ? error.get<double>() > *options.max_error
+                            : lobe.value("verdict", "") == "differs")
+        return kFailed;
+    }
+  return kDone;
 }
 
 }  // namespace
@@ -82,13 +142,16 @@ int sweep_command(const Options& options) {
   const fs::path folder = options.output.empty() ? stack.name + "-sweep" : options.output;
   const fs::path points = folder / "points";
   make_output_folder(points);
-  const Json settings = settings_of(options, stack, axes);
+  const FolderLock lock(folder);
+  const InputFiles inputs(stack, objects_among(options.models));
+  const Json settings = settings_of(options, stack, axes, inputs, folder);
   if (const auto found = read_json(folder / "settings.json"); found && *found != settings)
-    throw UsageError(fmt::format(
-        "{}: found another sweep (see settings.json there); allowed: -o with a folder of its own",
-        folder.string()));
+    throw UsageError(
+        fmt::format("{}: found another sweep, {}; allowed: -o with a folder of its own",
+                    (folder / "settings.json").string(), difference_of_settings(*found, settings)));
   write_file(folder / "settings.json", settings.dump(2) + "\n");
 
+  const SweepPoints written(with_files_relative_to(stack, points), axes);
   std::FILE* out = table_stream(options);
   RunMonitor monitor = terminal_monitor(options);
   monitor.progress = {};  // a line per point is told
@@ -103,28 +166,36 @@ int sweep_command(const Options& options) {
     const bool was_there = answer.has_value();
     if (!was_there) {
       const fs::path stack_file = points / (SweepPoints::name(k) + ".toml");
-      write_file(stack_file, sweep.toml(k));
+      const fs::path part = points / (SweepPoints::name(k) + ".part");
+      write_file(stack_file, written.toml(k));
+      inputs.check();
       CommandAnswer found =
           point_answer(options, with_surface_model(load_stack(stack_file.string())), monitor);
       status = std::max(status, found.status);
       if (user_interrupt) break;
-      write_json(found.json, answer_file.string());
-      answer = std::move(found.json);
+      inputs.check();
+      add_files(found.json, inputs);
+      write_json(found.json, part.string());
+      answer = read_json(part);
+      fs::rename(part, answer_file);
     }
+    status = std::max(status, point_status(*answer, options));
     ++done;
     if (!options.quiet)
       fmt::print(out, "{} of {}: {}{}\n", k + 1, count, sweep.values(k),
                  was_there ? " (was there)" : "");
-    list.push_back({{"at", sweep.at(k)}, {"answer", std::move(*answer)}});
+    list.push_back({{"at", sweep.at(k)}, {"answer", named_for(std::move(*answer), "", points)}});
   }
   Json result = json_header("sweep", request);
   result["of"] = options.of;
   result["axes"] = settings["axes"];
   result["interrupted"] = user_interrupt.load();
   result["points"] = std::move(list);
-  write_file(folder / "report.json", result.dump(2) + "\n");
+  add_files(result, inputs);
+  write_json(result, (folder / "report.json").string());
   write_report_page(folder / "report.html", stack.name + ": sweep", result, nullptr);
   if (!options.quiet) {
+    fmt::print(out, "{}", sweep_table(result));
     if (user_interrupt)
       fmt::print(out, "interrupted after {} of {} points: the same command goes on\n", done, count);
     fmt::print(out,

@@ -27,12 +27,10 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-// CLI11 tells of a missing command before it tells of a wrong one.
+// CLI11 takes what looks like an option before it tells of a wrong command.
 void check_command(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  if (argc < 2)
-    throw UsageError(fmt::format("found no command; allowed: {} (lamella --help)", listed(names)));
   const std::string word = argv[1];
   if (!word.starts_with("-")) {
     if (std::find(names.begin(), names.end(), word) == names.end())
@@ -74,6 +72,10 @@ CLI::App& CommandLine::add(const std::string& name, const std::string& doc,
 }
 
 std::optional<int> CommandLine::parse(int argc, char** argv) {
+  if (argc < 2) {
+    fmt::print("{}", app.help());
+    return 0;
+  }
   check_command(app, argc, argv);
   try {
     app.parse(argc, argv);

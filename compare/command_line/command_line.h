@@ -32,8 +32,8 @@ struct CommandLine {
   CLI::App& add(const std::string& name, const std::string& doc, const std::string& example,
                 std::function<int()> run);
 
-  /// Reads the arguments. Throws UsageError; the exit status where --help or --version ends the
-  /// program.
+  /// Reads the arguments. Throws UsageError; the exit status where --help, --version or nothing at
+  /// all, which shows the help, ends the program.
   [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
   /// Does what the command that was given does, with as many threads as were asked for.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analytic/model/model.h"
+#include "compare/command/command.h"
 #include "compare/command_line/command_words.h"
 #include "compare/request/split_text.h"
 #include "phase/stack/builtin_stacks.h"
@@ -58,6 +59,7 @@ std::vector<Word> words_of(const CLI::App& command) {
     word.takes_value = option->get_items_expected_max() > 0;
     word.repeatable = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
     word.values = values_of(option->get_type_name(), option->get_name());
+    if (option->get_name() == "NAME") word.values.words = listed_names(command.get_name());
     words.push_back(std::move(word));
   }
   return words;

@@ -69,6 +69,8 @@ void define_samplers(CommandLine& line) {
   command.add_option("--samples", line.closed.samples, "Draws per direction (default 100000)")
       ->transform(whole_number(2, 1000000000000))
       ->type_name("N");
+  command.add_flag("--all", line.closed.all,
+                   "Of the default models every row, and their times beside the paper's");
   add_seed(command, line);
   add_json(command, line);
 }
@@ -94,13 +96,14 @@ void define_fit(CommandLine& line) {
 
 void define_invert(CommandLine& line) {
   CLI::App& command = line.add("invert", "The single-scattering albedo that gives a colour",
-                               "lamella invert vmf_diffuse color=0.8,0.4,0.2 roughness=0.5", [&] {
+                               "lamella invert vmf_diffuse albedo=0.8,0.4,0.2 roughness=0.5", [&] {
                                  return invert_command(line.options, line.closed, line.words);
                                });
   command
-      .add_option("WHAT", line.words,
-                  "Model, or stack (all its layers get the albedo), then color=R,G,B or one number "
-                  "and the model's key=value...")
+      .add_option(
+          "WHAT", line.words,
+          "Model, or stack (all its layers get the albedo), then albedo=R,G,B or one number, "
+          "the colour as eval MODEL.albedo gives it, and the model's key=value...")
       ->required()
       ->expected(1, -1);
   command
@@ -117,9 +120,11 @@ void define_invert(CommandLine& line) {
 }
 
 void define_list(CommandLine& line, const std::string& name, const std::string& doc,
-                 int (*run)(const Options&)) {
-  add_json(line.add(name, doc, "lamella " + name, [&line, run] { return run(line.options); }),
-           line);
+                 const std::string& example, int (*run)(const Options&, const std::string&)) {
+  CLI::App& command = line.add(name, doc, "lamella " + name + " " + example,
+                               [&line, run] { return run(line.options, line.word); });
+  command.add_option("NAME", line.word, "The one to show; without: all there are");
+  add_json(command, line);
 }
 
 }  // namespace
@@ -131,9 +136,9 @@ void define_model_commands(CommandLine& line) {
   define_samplers(line);
   define_fit(line);
   define_invert(line);
-  define_list(line, "models", "The closed forms: parameters, lobes, source", models_command);
-  define_list(line, "media", "The media: keys, ranges, units, source", media_command);
-  define_list(line, "stacks", "The built-in stacks", stacks_command);
+  define_list(line, "models", "The closed forms: parameters, lobes, source", "eon", models_command);
+  define_list(line, "media", "The media: keys, ranges, units, source", "sggx", media_command);
+  define_list(line, "stacks", "The built-in stacks", "sggx_slab", stacks_command);
 }
 
 }  // namespace lamella

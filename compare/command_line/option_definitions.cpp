@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "compare/drawing/picture_format.h"
+#include "compare/files/output_folder.h"
 #include "compare/request/model_file.h"
 #include "compare/request/numbers.h"
 #include "phase/stack/stack_file.h"
@@ -78,6 +81,57 @@ CLI::Validator model_argument() {
           ""};
 }
 
+namespace {
+
+// The endings of formats that the program reads or writes, and of pictures and texts that it might
+// be taken to write.
+const std::vector<std::string>& known_endings() {
+  static const std::vector<std::string> endings{".exr", ".png",  ".json", ".html", ".toml", ".vdb",
+                                                ".csv", ".txt",  ".pdf",  ".svg",  ".jpg",  ".jpeg",
+                                                ".tif", ".tiff", ".hdr",  ".npz",  ".so"};
+  return endings;
+}
+
+std::string ending_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+bool is_known(const std::string& ending) {
+  const auto& known = known_endings();
+  return std::find(known.begin(), known.end(), ending) != known.end();
+}
+
+}  // namespace
+
+CLI::Validator output_of(const std::string& type) {
+  return {[type](std::string& text) -> std::string {
+            const std::filesystem::path path = text;
+            const std::string ending = ending_of(path);
+            if (type == "FILE" && text == "-") return "";
+            const auto found = [&](const std::string& allowed) {
+              return fmt::format("found \"{}\"; allowed: {}", text, allowed);
+            };
+            if (text.empty()) return found("a name");
+            if (type == "FOLDER") {
+              if (!is_known(ending) || std::filesystem::exists(path)) return "";
+              return found(fmt::format("a folder, whose name does not end in {}", ending));
+            }
+            check_output_file(path);
+            if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) return "";
+            const std::size_t dot = type.find('.');
+            if (dot == std::string::npos)
+              return is_known(ending) && ending != ".json" && ending != ".toml" && ending != ".txt"
+                         ? found("a name that does not end in " + ending)
+                         : "";
+            const std::string own = type.substr(dot);
+            return ending == own ? "" : found("a name that ends in " + own);
+          },
+          ""};
+}
+
 void add_stack(CLI::App& command, CommandLine& line) {
   command.add_option("STACK", line.options.stack,
                      "TOML file, - for stdin, or a built-in stack (lamella stacks)");
@@ -85,12 +139,14 @@ void add_stack(CLI::App& command, CommandLine& line) {
 
 void add_json(CLI::App& command, CommandLine& line) {
   command.add_option("--json", line.options.json, "Write the answer as JSON to FILE, - for stdout")
+      ->transform(output_of("FILE"))
       ->type_name("FILE");
   command.add_flag("--quiet", line.options.quiet, "No table, no progress");
 }
 
 void add_html(CLI::App& command, CommandLine& line) {
   command.add_option("--html", line.options.html, "Write the answer as a page to look at")
+      ->transform(output_of("FILE.html"))
       ->type_name("FILE.html");
 }
 
@@ -190,7 +246,9 @@ void add_pictures(CLI::App& command, CommandLine& line) {
 
 void add_output(CLI::App& command, CommandLine& line, const std::string& type,
                 const std::string& doc) {
-  command.add_option("-o,--output", line.options.output, doc)->type_name(type);
+  command.add_option("-o,--output", line.options.output, doc)
+      ->transform(output_of(type))
+      ->type_name(type);
 }
 
 void add_run_options(CLI::App& command, CommandLine& line) {

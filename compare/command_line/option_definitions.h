@@ -12,6 +12,10 @@ namespace lamella {
 /// A model, or @FILE with one in it, which it becomes.
 [[nodiscard]] CLI::Validator model_argument();
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
+/// A file to write of a type such as "FILE.exr": the name has that ending, or it is a device or
+/// pipe. Of the type "FILE" every ending but those of other formats, of "FOLDER" a name that no
+/// format's ending has, or a folder that is there. Throws OutputError where it cannot be written.
+[[nodiscard]] CLI::Validator output_of(const std::string& type);
 
 /// Options that several commands share.
 void add_stack(CLI::App& command, CommandLine& line);

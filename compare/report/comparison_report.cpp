@@ -13,6 +13,7 @@
 #include "compare/request/percent.h"
 #include "phase/math/degrees.h"
 #include "phase/math/luminance.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 namespace {
@@ -151,15 +152,22 @@ std::string comparison_summary(const TruthRequest& request, const StackCompariso
 
 int write_comparison_files(const std::string& folder, const TruthRequest& request,
                            const StackComparison& comparison,
-                           const std::vector<PictureFormat>& formats) {
+                           const std::vector<PictureFormat>& formats, const InputFiles& inputs) {
+  const TruthRequest named = named_for_image(request, folder);
+  const auto write = [&](const std::string& name, ExrImage image) {
+    record_files(image, inputs, folder);
+    write_exr(folder + "/" + name + ".exr", image);
+  };
   int pictures = 0;
   for (const JudgedModel& m : comparison.models) {
-    write_exr(folder + "/" + m.name + ".exr",
-              comparison_image(request, comparison.runs, m.lobes, to_request(*m.bound)));
+    ExrImage image = comparison_image(named, comparison.runs, m.lobes, to_request(*m.bound));
+    if (!m.bound->object.empty())
+      image.attributes["lamella.model_file"] = relative_to(m.bound->object, folder).string();
+    write(m.name, std::move(image));
     pictures += write_comparison_pictures(folder, m.name, request.stack.name, comparison.runs,
                                           m.lobes, formats);
   }
-  write_exr(folder + "/truth.exr", simulation_image(request, comparison.runs));
+  write("truth", simulation_image(named, comparison.runs));
   return pictures;
 }
 

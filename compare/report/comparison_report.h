@@ -6,6 +6,7 @@
 
 #include "compare/drawing/picture_format.h"
 #include "compare/judge/stack_comparison.h"
+#include "compare/report/input_files.h"
 
 namespace lamella {
 
@@ -21,9 +22,9 @@ namespace lamella {
                                              const StackComparison& comparison);
 
 /// Writes truth.exr, an EXR per model and a picture per lobe and format to a folder that is there;
-/// returns the number of pictures. Throws OutputError.
+/// returns the number of pictures. `inputs`: what the run has read. Throws OutputError.
 int write_comparison_files(const std::string& folder, const TruthRequest& request,
                            const StackComparison& comparison,
-                           const std::vector<PictureFormat>& formats);
+                           const std::vector<PictureFormat>& formats, const InputFiles& inputs);
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 
 #include "compare/files/output_folder.h"
 #include "phase/math/degrees.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 
@@ -81,9 +82,30 @@ Json json_header(const std::string& command, const TruthRequest& request) {
   Json header{{"format", 1},
               {"command", command},
               {"version", LAMELLA_VERSION},
-              {"stack", to_json(request.stack)}};
+              {"stack", to_json(with_files_relative_to(request.stack, ""))}};
   header.update(json_header(command, request.seed, request.isa));
   return header;
+}
+
+void add_files(Json& answer, const InputFiles& inputs) {
+  if (!inputs.empty()) answer["files"] = inputs.json("");
+}
+
+Json named_for(Json answer, const std::filesystem::path& folder,
+               const std::filesystem::path& from) {
+  const auto rename = [&](Json& name) {
+    const auto text = name.get<std::string>();
+    if (is_file(GridReference{.file = text})) name = relative_to(from / text, folder).string();
+  };
+  if (answer.contains("stack") && answer["stack"].contains("layer"))
+    for (Json& layer : answer["stack"]["layer"])
+      if (layer.contains("grid")) rename(layer["grid"]);
+  if (answer.contains("files"))
+    for (Json& file : answer["files"]) rename(file["name"]);
+  if (answer.contains("points"))
+    for (Json& point : answer["points"])
+      point["answer"] = named_for(std::move(point["answer"]), folder, from);
+  return answer;
 }
 
 Json values_of(const std::array<Estimate, 3>& e, int channels) {
@@ -149,11 +171,10 @@ Json to_json(const RunResult& run) {
 
 void write_json(const Json& answer, const std::string& path) {
   if (path.empty()) return;
-  const std::string text = answer.dump(2) + "\n";
   if (path == "-")
-    fmt::print(stdout, "{}", text);
+    fmt::print(stdout, "{}\n", answer.dump(2));
   else
-    write_file(path, text);
+    write_file(path, named_for(answer, std::filesystem::path(path).parent_path()).dump(2) + "\n");
 }
 
 }  // namespace lamella

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "compare/report/input_files.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "phase/stack/stack.h"
@@ -11,11 +13,20 @@
 namespace lamella {
 
 /// What every JSON answer starts with: format, command, stack (if there is one), seed, threads,
-/// isa.
+/// isa. An answer in memory names files from the working directory.
 [[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, std::uint64_t seed,
                                                  Isa isa);
 [[nodiscard]] nlohmann::ordered_json json_header(const std::string& command,
                                                  const TruthRequest& request);
+
+/// Adds "files", which the run read beside its stack file; nothing where there are none.
+void add_files(nlohmann::ordered_json& answer, const InputFiles& inputs);
+
+/// The answer with its files named for a place in `folder`, where they were named for one in
+/// `from`; empty: the working directory.
+[[nodiscard]] nlohmann::ordered_json named_for(nlohmann::ordered_json answer,
+                                               const std::filesystem::path& folder,
+                                               const std::filesystem::path& from = {});
 
 /// The resolved stack, every default filled in; infinity is the string "inf".
 [[nodiscard]] nlohmann::ordered_json to_json(const Stack& stack);
@@ -38,7 +49,8 @@ void add_choice(nlohmann::ordered_json& answer, const EstimatorChoice& choice,
 /// One incident direction of `simulate`.
 [[nodiscard]] nlohmann::ordered_json to_json(const RunResult& run);
 
-/// Writes the answer to a file, or to stdout if that is "-"; nothing if the path is empty.
+/// Writes the answer to a file, its files named for that place, or to stdout if that is "-";
+/// nothing if the path is empty.
 void write_json(const nlohmann::ordered_json& answer, const std::string& path);
 
 }  // namespace lamella

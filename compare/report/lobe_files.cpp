@@ -10,6 +10,7 @@
 #include "phase/math/degrees.h"
 #include "phase/math/luminance.h"
 #include "phase/stack/stack_file.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 namespace {
@@ -146,6 +147,15 @@ ExrImage comparison_image(const TruthRequest& request, const std::vector<RunResu
       }
   }
   return image;
+}
+
+void record_files(ExrImage& image, const InputFiles& inputs, const std::filesystem::path& folder) {
+  if (!inputs.empty()) image.attributes["lamella.files"] = inputs.text(folder);
+}
+
+TruthRequest named_for_image(TruthRequest request, const std::filesystem::path& folder) {
+  request.stack = with_files_relative_to(std::move(request.stack), folder);
+  return request;
 }
 
 int write_comparison_pictures(const std::string& folder, const std::string& model,

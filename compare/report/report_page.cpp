@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "compare/files/output_folder.h"
+#include "compare/report/json_report.h"
 #include "compare/report/page_template.h"
 
 namespace lamella {
@@ -61,7 +62,7 @@ std::string report_page(const std::string& title, const nlohmann::ordered_json& 
 void write_report_page(const std::filesystem::path& path, const std::string& title,
                        const nlohmann::ordered_json& answer,
                        const nlohmann::ordered_json& details) {
-  write_file(path, report_page(title, answer, details));
+  write_file(path, report_page(title, named_for(answer, path.parent_path()), details));
 }
 
 }  // namespace lamella

@@ -8,7 +8,8 @@
 
 namespace lamella {
 
-/// Direction pairs as read from CSV, with the text of each row for the echo.
+/// Direction pairs as read from CSV, with the text of each row for the echo: its numbers between
+/// commas, with decimal points.
 struct DirectionPairs {
   std::string file;  ///< as named in errors
   std::string header;
@@ -17,9 +18,9 @@ struct DirectionPairs {
   std::vector<DirectionPair> pairs;
 };
 
-/// Reads CSV with the header theta_i,phi_i,theta_o,phi_o or mu_i,phi_i,mu_o,phi_o; theta in [0,
-/// 180] and phi in degrees, mu a cosine in [-1, 1]. Throws UsageError with file, line, what was
-/// found and what is allowed.
+/// Reads CSV (see CsvReader for what is taken as such) with the header theta_i,phi_i,theta_o,phi_o
+/// or mu_i,phi_i,mu_o,phi_o; theta in [0, 180] and phi in degrees, mu a cosine in [-1, 1]. Throws
+/// UsageError with file, line, what was found and what is allowed.
 [[nodiscard]] DirectionPairs read_pairs(std::istream& in, const std::string& file);
 
 /// Refuses the pair k: throws UsageError with file, line and the row.

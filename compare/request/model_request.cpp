@@ -100,6 +100,7 @@ BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
     if (!bound.parameters.has(info.name) && info.default_value.empty())
       throw UsageError(fmt::format("{}: key \"{}\": found nothing; allowed: {}", request.name,
                                    info.name, allowed_values(info)));
+  if (is_plugin_path(request.name)) bound.object = request.name;
   try {
     bound.model = bound.info->make(bound.parameters, stack);
   } catch (const ParameterError& error) {
@@ -120,6 +121,13 @@ std::string request_value(const ParameterValue& value) {
   std::string text = to_text(value);
   std::erase_if(text, [](char c) { return c == '[' || c == ']' || c == '"' || c == ' '; });
   return text;
+}
+
+std::vector<std::filesystem::path> objects_of(const std::vector<BoundModel>& models) {
+  std::vector<std::filesystem::path> paths;
+  for (const BoundModel& m : models)
+    if (!m.object.empty()) paths.emplace_back(m.object);
+  return paths;
 }
 
 std::vector<std::string> distinct_names(const std::vector<BoundModel>& models) {

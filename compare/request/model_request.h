@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,7 +38,11 @@ struct BoundModel {
   /// Where each parameter's value comes from: "given", "stack", "fitted", "default", or in more
   /// words.
   std::map<std::string, std::string> sources{};
+  std::string object{};  ///< path of the shared object that it comes from; empty: built in
 };
+
+/// The shared objects that the models come from.
+[[nodiscard]] std::vector<std::filesystem::path> objects_of(const std::vector<BoundModel>& models);
 
 /// Builds a model from its name and key=value texts; `stack` serves models that need one. Throws
 /// UsageError that names the key, what was found and what is allowed.

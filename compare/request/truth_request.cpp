@@ -37,9 +37,8 @@ std::optional<Estimator> parse_estimator(const std::string& text) {
   if (text == "auto") return std::nullopt;
   for (const Estimator e : {Estimator::analog, Estimator::next_event, Estimator::deterministic})
     if (to_text(e) == text) return e;
-  throw UsageError(
-      fmt::format("estimator: found \"{}\"; allowed: auto, analog, next-event, deterministic",
-                  text));
+  throw UsageError(fmt::format(
+      "estimator: found \"{}\"; allowed: auto, analog, next-event, deterministic", text));
 }
 
 Plan plan_of(const TruthRequest& request) {

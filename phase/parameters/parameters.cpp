@@ -36,7 +36,7 @@ bool in_range(const ParameterInfo& info, double x) {
 std::optional<double> parse_number(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
@@ -65,6 +65,23 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     }
   }
   return row.back();
+}
+
+std::string in_lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
+// Whether every part of the word, between underscores or hyphens, is in the name.
+bool has_parts(std::string_view name, std::string_view word) {
+  while (!word.empty()) {
+    const std::size_t end = std::min(word.find_first_of("_-"), word.size());
+    if (name.find(word.substr(0, end)) == std::string_view::npos) return false;
+    word.remove_prefix(std::min(end + 1, word.size()));
+  }
+  return true;
 }
 
 }  // namespace
@@ -215,16 +232,26 @@ const ParameterInfo* find(const std::vector<ParameterInfo>& infos, std::string_v
 }
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::string typed = in_lower_case(word);
   const std::string* best = nullptr;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
-    const std::size_t distance = edit_distance(word, candidate);
+    const std::size_t distance = edit_distance(typed, in_lower_case(candidate));
     if (distance < best_distance) {
       best = &candidate;
       best_distance = distance;
     }
   }
-  return best ? fmt::format("did you mean \"{}\"?", *best) : std::string();
+  if (best) return fmt::format("did you mean \"{}\"?", *best);
+  // A part of a name, "sand" of "vmf_sand": a shorter word is a part of too many.
+  constexpr std::size_t kShortest = 3, kMost = 3;
+  std::string found;
+  std::size_t count = 0;
+  if (typed.size() >= kShortest)
+    for (const std::string& candidate : candidates)
+      if (has_parts(in_lower_case(candidate), typed) && ++count <= kMost)
+        found += fmt::format("{}\"{}\"", count > 1 ? " or " : "", candidate);
+  return count > 0 && count <= kMost ? fmt::format("did you mean {}?", found) : "";
 }
 
 std::string listed(const std::vector<std::string>& words) {

@@ -84,7 +84,7 @@ void fill_defaults(const std::vector<ParameterInfo>& infos, Parameters& paramete
 [[nodiscard]] const ParameterInfo* find(const std::vector<ParameterInfo>& infos,
                                         std::string_view name);
 
-/// `did you mean "albedo"?` for the candidate nearest in spelling, or an empty string.
+/// `did you mean "albedo"?` for the candidate nearest in spelling or with its parts, or nothing.
 [[nodiscard]] std::string suggestion(std::string_view word,
                                      const std::vector<std::string>& candidates);
 

@@ -148,6 +148,21 @@ std::vector<BuiltinStack> make_list() {
   return list;
 }
 
+// Stack files in the folder of a path that leads nowhere, as that path would name them.
+std::vector<std::string> stack_files_beside(const std::filesystem::path& path) {
+  constexpr std::size_t kMost = 1000;
+  namespace fs = std::filesystem;
+  std::vector<std::string> names;
+  const fs::path folder = path.parent_path();
+  std::error_code error;
+  for (fs::directory_iterator at(folder.empty() ? "." : folder, error), end;
+       !error && at != end && names.size() < kMost; at.increment(error))
+    if (at->path().extension() == ".toml")
+      names.push_back((folder / at->path().filename()).string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 }  // namespace
 
 const std::vector<BuiltinStack>& builtin_stacks() {
@@ -169,6 +184,7 @@ Stack load_stack(const std::string& what) {
     const std::string reason = error.what();
     std::vector<std::string> names;
     for (const BuiltinStack& stack : builtin_stacks()) names.push_back(stack.name);
+    for (const std::string& name : stack_files_beside(what)) names.push_back(name);
     const std::string hint = suggestion(what, names);
     throw StackFileError(
         fmt::format("{}: {}; allowed: a TOML file, - for stdin, or a built-in stack (lamella "

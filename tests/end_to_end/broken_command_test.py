@@ -15,7 +15,6 @@ class BrokenCommandLines(ProgramTest):
                 self.assertIn(part, answer.err)
 
     def test_commands_and_options(self):
-        self.refused([], "found no command", "allowed: simulate, compare")
         self.refused(["simulat"], '"simulat"', 'did you mean "simulate"?', "allowed: simulate,")
         self.refused(["--verson"], '"--verson"', 'did you mean "--version"?')
         self.refused(["simulate", "--walk", "3"], '"--walk"', 'did you mean "--walks"?', "allowed:")

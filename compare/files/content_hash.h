@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace lamella {
+
+/// SHA-256 (FIPS 180-4) in lower-case hexadecimal digits, as the program sha256sum prints it.
+[[nodiscard]] std::string content_hash(std::string_view bytes);
+
+/// The same of a file's content, read piece by piece. Throws OutputError where it cannot be read.
+[[nodiscard]] std::string content_hash_of_file(const std::filesystem::path& path);
+
+}  // namespace lamella
