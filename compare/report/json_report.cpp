@@ -94,8 +94,9 @@ void add_files(Json& answer, const InputFiles& inputs) {
 Json named_for(Json answer, const std::filesystem::path& folder,
                const std::filesystem::path& from) {
   const auto rename = [&](Json& name) {
-    const auto text = name.get<std::string>();
-    if (is_file(GridReference{.file = text})) name = relative_to(from / text, folder).string();
+    GridReference grid;
+    grid.file = name.get<std::string>();
+    if (is_file(grid)) name = relative_to(from / grid.file, folder).string();
   };
   if (answer.contains("stack") && answer["stack"].contains("layer"))
     for (Json& layer : answer["stack"]["layer"])
