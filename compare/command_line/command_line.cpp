@@ -27,8 +27,8 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-// CLI11 takes what looks like an option before it tells of a wrong command.
-void check_command(const CLI::App& app, int argc, char** argv) {
+// CLI11 tells of a missing command before it tells of a wrong one.
+void check_command(const CLI::App& app, char** argv) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   const std::string word = argv[1];
@@ -76,7 +76,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     fmt::print("{}", app.help());
     return 0;
   }
-  check_command(app, argc, argv);
+  check_command(app, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ExtrasError&) {
