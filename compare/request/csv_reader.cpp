@@ -107,9 +107,9 @@ std::optional<std::vector<std::string>> CsvReader::next() {
       continue;
     }
     if (separator_ == 0)
-      separator_ = text_.find(';') != std::string::npos    ? ';'
-                   : text_.find('\t') != std::string::npos ? '\t'
-                                                           : ',';
+      separator_ = text_.find(';') != std::string::npos   ? ';'
+                   : text_.find(',') != std::string::npos ? ','
+                                                          : '\t';
     return fields();
   }
   return std::nullopt;

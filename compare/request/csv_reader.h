@@ -12,7 +12,7 @@ namespace lamella {
 
 /// A table of text, line by line, as spreadsheets and statistics programs write it.
 ///
-/// The first line decides what separates fields: a semicolon, else a tab, else a comma; a line
+/// The first line decides what separates fields: a semicolon, else a comma, else a tab; a line
 /// "sep=;" before it (Excel) says so itself. Fields may stand in double quotes, blanks at their
 /// ends are dropped, and so are a byte order mark, blank lines and a carriage return at the end of
 /// a line. Between semicolons or tabs a decimal comma is a decimal point; one file has one of them.
