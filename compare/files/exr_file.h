@@ -1,25 +1,15 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "compare/files/exr_image.h"
 #include "compare/files/output_folder.h"
 
 namespace lamella {
-
-/// Named channels of one size and string attributes: what Lamella's EXR files hold. Pixels go row
-/// by row from the top left; x is the phi cell from phi = 0, y the mu^2 cell from the normal.
-struct ExrImage {
-  int width = 0, height = 0;
-  /// width * height values each
-  std::vector<std::pair<std::string, std::vector<float>>> channels{};
-  std::map<std::string, std::string> attributes{};
-};
 
 /// Writes a single-part scan-line file, float32, ZIP. The file sorts its channels by name, and
 /// holds neither time nor path: images with equal channels and attributes give equal bytes. Atomic

@@ -15,6 +15,8 @@
 #include <mutex>
 #include <system_error>
 
+#include "compare/files/output_folder.h"
+
 namespace lamella {
 namespace {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/files/exr_file.h"
+#include "compare/files/exr_image.h"
 
 namespace lamella {
 

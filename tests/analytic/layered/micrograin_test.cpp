@@ -325,7 +325,8 @@ ModelInfo constant_model(const std::string& name, double most, const std::string
           .lobes = {{"all", ""}},
           .make = [](const Parameters& p, const Stack*) {
             return std::make_unique<Constant>(p.number("roughness"));
-          }};
+          },
+          .applies_to = nullptr};
 }
 
 TEST(Micrograin, KeysOfTheBulkAreItsOwn) {
