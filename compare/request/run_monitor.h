@@ -17,7 +17,7 @@ struct RunMonitor {
   std::function<void(const std::string& label, const Progress&)> progress{};
   /// What the solver is doing, every now and then.
   SolverReport solver{};
-  /// A run that told its progress, or a solution, is over.
+  /// A run is over, or, where `solver` is there, the solver's work.
   std::function<void()> finished{};
   /// One line where less was reached than was asked for, or where a setting means nothing.
   std::function<void(const std::string& message)> warning{};

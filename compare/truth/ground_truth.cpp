@@ -66,7 +66,7 @@ const EstimatorChoice& GroundTruth::choice() {
   if (choice_) return *choice_;
   choice_ = choose_estimator(request_, of_walks_, monitor_.stop, monitor_.solver);
   if (choice_->solution) solve_cells();
-  if (monitor_.finished) monitor_.finished();
+  if (monitor_.solver && monitor_.finished) monitor_.finished();
   // A number of walks is an effort by itself; where time or error is, the cheaper walks win.
   if (!request_.estimator && !choice_->solution && of_walks_ == Estimator::analog &&
       (request_.effort.seconds || request_.effort.target_error)) {

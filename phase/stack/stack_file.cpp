@@ -135,11 +135,17 @@ class Reader {
   }
 
  private:
+  // A number, whole ones rounded to double: toml++ converts only those that double holds exactly.
+  static double number_in(const toml::node& node) {
+    if (const auto* whole = node.as_integer()) return static_cast<double>(whole->get());
+    return node.as_floating_point()->get();
+  }
+
   static std::string described(const toml::node& node) {
     if (const auto* s = node.as_string()) return '"' + s->get() + '"';
     if (node.is_table()) return "a table";
     if (node.is_array()) return "an array";
-    if (const auto number = node.value<double>()) return to_text(*number);
+    if (node.is_number()) return to_text(number_in(node));
     if (const auto flag = node.value<bool>()) return *flag ? "true" : "false";
     return "a date or time";
   }
@@ -153,13 +159,13 @@ class Reader {
 
   static std::optional<ParameterValue> to_value(const toml::node& node) {
     if (const auto* s = node.as_string()) return s->get();
-    if (node.is_number()) return *node.value<double>();
+    if (node.is_number()) return number_in(node);
     const toml::array* array = node.as_array();
     if (!array) return std::nullopt;
     std::vector<double> numbers;
     for (const auto& element : *array) {
       if (!element.is_number()) return std::nullopt;
-      numbers.push_back(*element.value<double>());
+      numbers.push_back(number_in(element));
     }
     return numbers;
   }

@@ -109,9 +109,10 @@ TEST(Extremes, AlbedosAtTheEndsAreBetweenNothingAndTheModelsOwnGain) {
           testing::make_model(name, {{"albedo", 0.0}})->albedo_with_error(wi);
       const AlbedoEstimate white =
           testing::make_model(name, {{"albedo", 1.0}})->albedo_with_error(wi);
-      // The papers' fits leave a little where nothing is scattered: measured 1.2e-4 and 2e-10.
+      // The paper's fits leave a little where nothing is scattered: measured 1.2e-4; and the fitted
+      // Bond albedo of the fast form is 1e-3 at albedo 0, which leaves f = 8.4e-7 sr^-1, times pi.
       const double left = std::string(name) == "lambert_sphere"        ? 1.5e-4
-                          : std::string(name) == "lambert_sphere_fast" ? 1e-9
+                          : std::string(name) == "lambert_sphere_fast" ? 2.7e-6
                                                                        : 1e-15;
       EXPECT_NEAR(black.value.g, 0, black.error.g + left) << name << ' ' << mu;
       // The table of white furnaces in analytic/README.md: 0.56 to 1.30.

@@ -323,9 +323,8 @@ ModelInfo constant_model(const std::string& name, double most, const std::string
                           .min = 0,
                           .max = most}},
           .lobes = {{"all", ""}},
-          .make = [](const Parameters& p, const Stack*) {
-            return std::make_unique<Constant>(p.number("roughness"));
-          },
+          .make = [](const Parameters& p,
+                     const Stack*) { return std::make_unique<Constant>(p.number("roughness")); },
           .applies_to = nullptr};
 }
 
@@ -386,6 +385,8 @@ TEST(Micrograin, PartsAnswerForTheirDirections) {
   Parameters p;
   p.set("tau0", 0.3);
   p.set("beta", 0.8);
+  fill_defaults(info.parameters, p);
+  p.set("shadowing", std::string("smith"));
   const Direction wi = direction_from_mu_phi(0.6, 1), wo = direction_from_mu_phi(0.2, 2);
   ASSERT_EQ(info.parts.size(), 5u);
   EXPECT_EQ(info.parts[0].eval(p, wi, wo).r, micrograin_ndf(wi.z, 0.3, 0.8));

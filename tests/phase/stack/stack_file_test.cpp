@@ -355,5 +355,20 @@ TEST(StackFile, AGridKeepsTheNamesAndTheTileOfItsFile) {
   expect("'builtin:weave'\nalbedo_grid = 'x'\n", {"\"albedo_grid\"", "a .vdb file only"});
 }
 
+// toml++ does not convert integers beyond 2^53 that double has to round.
+TEST(StackFile, TakesWholeNumbersOfAnySizeAsTheirNearestDouble) {
+  const auto thickness = [](const char* number) {
+    return parse_stack(
+               std::string("[[layer]]\nmedium = 'lambert_sphere'\nthickness = ") + number + "\n",
+               "test", "test")
+        .layers[0]
+        .thickness;
+  };
+  EXPECT_EQ(thickness("9007199254740993"), 9007199254740992.0);
+  EXPECT_EQ(thickness("33776997205278721"), 33776997205278720.0);
+  EXPECT_EQ(thickness("9223372036854775807"), 0x1p63);
+  EXPECT_EQ(thickness("4"), 4.0);
+}
+
 }  // namespace
 }  // namespace lamella::testing
