@@ -166,7 +166,6 @@ int sweep_command(const Options& options) {
     const bool was_there = answer.has_value();
     if (!was_there) {
       const fs::path stack_file = points / (SweepPoints::name(k) + ".toml");
-      const fs::path part = points / (SweepPoints::name(k) + ".part");
       write_file(stack_file, written.toml(k));
       inputs.check();
       CommandAnswer found =
@@ -175,9 +174,8 @@ int sweep_command(const Options& options) {
       if (user_interrupt) break;
       inputs.check();
       add_files(found.json, inputs);
-      write_json(found.json, part.string());
-      answer = read_json(part);
-      fs::rename(part, answer_file);
+      write_json(found.json, answer_file.string());
+      answer = named_for(std::move(found.json), points);
     }
     status = std::max(status, point_status(*answer, options));
     ++done;
