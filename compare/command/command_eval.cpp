@@ -304,7 +304,7 @@ CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionP
       if (extra) return extra->eval(bound.parameters, i, o);
       return lobe < 0 ? bound.model->eval(i, o) : bound.model->eval_lobe(lobe, i, o);
     };
-    if (!grazes_twice(wi, wo)) {
+    if (!grazes_twice(pairs.pairs[k].wi, pairs.pairs[k].wo)) {
       answer.f.push_back(value(wi, wo));
     } else if (const auto limit = limit_where_both_graze(value, wi, wo)) {
       answer.f.push_back(*limit);

@@ -45,7 +45,7 @@ class ClosedFormCommands(ProgramTest):
 
     def test_invert_says_which_colours_can_be_had(self):
         answer = self.lamella("invert", "fon", "roughness=1", "color=0.95", status=2)
-        self.assertIn('key "color": found 0.95; allowed: from 0', answer.err)
+        self.assertIn('key "albedo": found 0.95; allowed: from 0', answer.err)
         self.assertIn("albedo 1", answer.err)
         self.lamella("invert", "fon", status=2)
         self.lamella("invert", "fon", "color=0.5", "albedo=1", status=2)

@@ -169,7 +169,8 @@ class ShowTellsAllParts(Environments):
     def test_with_windows_types_and_values(self):
         name = self.write_exr(
             Part({"Z": constant(4, 2, 3.0)}, name="depth", data=(1, 1, 4, 2), display=(0, 0, 9, 9)),
-            Part(grey([[1.0, math.nan, 2.0]]), name="color", kind="half"))
+            Part(grey([[1.0, math.nan, 2.0]]), name="color", kind="half",
+                 display=(0, 0, 9, 9)))
         answer = self.json_of("show", name)
         depth, color = answer["parts"]
         self.assertEqual((depth["name"], color["name"]), ("depth", "color"))
