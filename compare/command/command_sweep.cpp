@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -102,6 +103,11 @@ std::string difference_of_settings(const Json& there, const Json& asked) {
         if (other.value("name", "") == file["name"] && other != file)
           return fmt::format("{} had another content, of sha256 {}",
                              file["name"].get<std::string>(), other.value("sha256", "unknown"));
+  for (const Json& other : there.value("files", Json::array())) {
+    const auto is_it = [&](const Json& file) { return file["name"] == other.value("name", ""); };
+    if (std::none_of(asked["files"].begin(), asked["files"].end(), is_it))
+      return fmt::format("{} was read there and is not now", other.value("name", ""));
+  }
   for (const auto& [key, value] : asked.items()) {
     const Json other = there.value(key, Json());
     if (other == value) continue;

@@ -175,7 +175,9 @@ class WhereTheSolverHasNoAnswer(ProgramTest):
     }
 
     def test_auto_walks_and_says_so(self):
-        for name, text in self.STACKS.items():
+        # A slab: walks in the half space itself have thousands of events each.
+        slab = self.STACKS["forward.toml"].replace("inf", "1")
+        for name, text in {"slab.toml": slab}.items():
             self.write(name, text)
             answer = self.json_of("simulate", name, "--wi", "45", "--grid", "4x8", "--quiet")
             self.assertNotEqual(answer["estimator"], "deterministic", name)

@@ -16,7 +16,8 @@ PLUGIN = os.path.join(os.environ["LAMELLA_PLUGINS"], "minnaert.so")
 class Files(ProgramTest):
     def make_cloth(self, folder="in", pitch="0.5"):
         (self.folder / folder).mkdir(exist_ok=True)
-        self.lamella("grid", "weave", f"pitch={pitch}", "voxels=16", "-o", f"{folder}/c.vdb", "--quiet")
+        self.lamella("grid", "weave", f"pitch={pitch}", f"width={0.9 * float(pitch)}", "voxels=16",
+                     "-o", f"{folder}/c.vdb", "--quiet")
         self.write(f"{folder}/cloth.toml", '[[layer]]\nmedium = "sggx"\nroughness = 0.3\nalbedo = 0.8\n'
                    'thickness = 0.4\ngrid = "c.vdb"\nsize = [1, 1]\n')
 

@@ -80,9 +80,15 @@ export const rowsOf = (page) => page.$$eval("#numbers tbody tr", (rows) => rows.
 
 // Nothing reaches beyond the window, but for what scrolls inside of a container of its own.
 export async function fitsTheWidth(page) {
-  const [content, window, beyond] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth,
+  const measure = () => page.evaluate(() => [document.documentElement.scrollWidth, innerWidth,
     [...document.body.querySelectorAll("*")].filter((e) => !e.closest(".scroll") && !e.closest("svg, script, details:not([open])")
       && e.getBoundingClientRect().right > innerWidth + .5).map((e) => `${e.tagName}.${e.className}: ${e.textContent.slice(0, 40)}`)]);
+  // Plots follow the window's size a little later.
+  let [content, window, beyond] = await measure();
+  for (let tries = 0; beyond.length > 0 && tries < 50; ++tries) {
+    await page.waitForTimeout(100);
+    [content, window, beyond] = await measure();
+  }
   assert.ok(content <= window, `the page is ${content} wide in a window of ${window}`);
   assert.deepEqual(beyond, []);
   for (const table of await page.$$("table")) assert.ok(await table.evaluate((t) => t.closest(".scroll") !== null), "a table scrolls by itself");

@@ -263,7 +263,7 @@ test("a comparison without closed forms still shows the truth", async () => {
 });
 
 test("the furnaces of a stack and of models mark their verdicts by more than colour", async () => {
-  await lamella("furnace", "spongecake_sheen", "--walks", "5000", "--html", "furnace.html", "--json", "furnace.json", "--quiet");
+  await lamella("furnace", "sggx_slab", "--html", "furnace.html", "--json", "furnace.json", "--quiet");
   await lamella("furnace", "--model", "eon,albedo=0.9", "--model", "lambert", "--html", "models.html", "--json", "models.json", "--quiet");
   for (const name of ["furnace", "models"]) {
     const {page, complaints} = await open(browser.context, `${name}.html`);
