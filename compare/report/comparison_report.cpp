@@ -61,13 +61,13 @@ std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_orde
   for (const JudgedModel& m : models) {
     text += fmt::format("\n{} ({:.0f} ns per evaluation)\n{}", m.bound->info->name, m.nanoseconds,
                         told_parameters(*m.bound, 4));
-    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8}{} {:>12} {:>10} {:>10} {:>9}  {}\n",
+    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8}{} {:>12} {:>10} {:>10} {:>8}  {}\n",
                         "theta_i", "side", "order", "energy truth", "+-",
                         cut ? fmt::format(" {:>9}", "missing") : "", "energy model", "rel. RMSE",
                         "no noise", "p", "verdict");
     for (const LobeComparison& l : m.lobes)
       text += fmt::format(
-          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e}{} {:>12.5f} {:>10} {:>10} {:>9.2g}  {}\n",
+          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e}{} {:>12.5f} {:>10} {:>10} {:>8.2g}  {}\n",
           theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
           luminance(l.energy_truth), luminance(l.energy_error),
           cut ? fmt::format(" {:>9}", missing_text(l)) : "", luminance(l.energy_model),

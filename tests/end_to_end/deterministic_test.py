@@ -38,14 +38,14 @@ class SolverAndWalk(ProgramTest):
             self.write(name, text)
             wi = ["--wi", "20", "--wi", "75"] + ([] if "substrate" in text else ["--wi", "120"])
             walk = self.json_of("simulate", name, *wi, "--walks", "4e4", "--quiet")
-            solved = self.json_of("simulate", name, *wi, *SOLVER, "--quiet")
+            solved = self.json_of("simulate", name, *wi, *SOLVER, "--tolerance", "1e-5", "--quiet")
             self.assertEqual(walk["estimator"], "analog")
             self.assertEqual((solved["estimator"], solved["walks"], solved["collisions"]),
                              ("deterministic", 0, 0))
             self.assertEqual(len(walk["runs"]), len(solved["runs"]))
             for a, b in zip(walk["runs"], solved["runs"]):
                 self.assertTrue(b["accuracy"]["reached"])
-                self.assertLessEqual(b["accuracy"]["error"], 1e-4)
+                self.assertLessEqual(b["accuracy"]["error"], 1e-5)
                 expected = energies(b)
                 for what, values in energies(a).items():
                     for (f, noise), (exact, bound) in zip(values, expected[what]):
@@ -265,7 +265,7 @@ class Furnaces(ProgramTest):
     def test_a_one_sided_slab_follows_the_law_of_its_radiance(self):
         self.write("one_sided.toml", ONE_SIDED)
         answer = self.json_of("furnace", "one_sided.toml", *SOLVER, "--wi", "30", "--wi", "150",
-                              "--quiet")
+                              "--tolerance", "1e-5", "--quiet")
         self.assertEqual(answer["verdict"], "pass")
         for run in answer["runs"]:
             radiance = run["radiance"]

@@ -110,7 +110,6 @@ class Tables(ProgramTest):
                           ["samplers", "--samples", "100"], ["samplers", "--samples", "100", "--all"],
                           ["simulate", "spongecake_copper", *quick],
                           ["furnace", "spongecake_plant", *quick],
-                          ["compare", "spongecake_copper", *quick, "-o", "out"],
                           ["sweep", "sggx_slab", "--set", "layer.0.roughness=0.2,0.5", "--set",
                            "layer.0.albedo=0.5,1", *quick, "-o", "swept"]):
             with self.subTest(" ".join(arguments)):

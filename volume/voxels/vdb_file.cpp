@@ -17,10 +17,7 @@
 namespace lamella {
 namespace {
 
-template <class Grid>
-constexpr int kValues = std::is_same_v<Grid, openvdb::FloatGrid> ? 1 : 3;
-
-template <class Grid, int N = kValues<Grid>>
+template <class Grid, int N>
 typename Grid::Ptr to_grid(const VoxelField<N>& field, const std::string& name,
                            typename VoxelField<N>::Value background, Vec3<double> voxel_size) {
   typename Grid::ValueType value{};
