@@ -4,7 +4,7 @@
 
 namespace lamella {
 
-/// A number that has to be given: an aggregate with such a member does not compile without it.
+/// A value that must be given: an aggregate that holds one does not compile without it.
 template <class T>
 struct Required {
   T value;
