@@ -9,6 +9,7 @@
 #include "analytic/model/reflection_angles.h"
 #include "phase/math/sampling.h"
 #include "phase/medium/flake.h"
+#include "phase/surface/fresnel.h"
 
 namespace lamella {
 namespace {
@@ -188,7 +189,7 @@ class Micrograin final : public Model {
   }
 
   [[nodiscard]] Rgb fresnel(double cosine) const {
-    if (g_.surface == Surface::dielectric) return Rgb(fresnel_dielectric(cosine, g_.ior));
+    if (g_.surface == Surface::dielectric) return Rgb(fresnel_reflectance(cosine, g_.ior));
     return schlick(g_.f0, schlick_weight(cosine));
   }
 
@@ -365,14 +366,6 @@ Direction micrograin_visible_normal(Direction w, double tau0, double beta, Rando
     if (stream.uniform() < std::exp(-lambda * (1 - height) * (1 + height)))
       return normalized(Direction{beta * n.x, beta * n.y, height});
   }
-}
-
-double fresnel_dielectric(double cosine, double ior) {
-  const double s2 = (1 - cosine) * (1 + cosine) / (ior * ior);
-  const double inside = std::sqrt(1 - s2);
-  const double rs = (cosine - ior * inside) / (cosine + ior * inside);
-  const double rp = (ior * cosine - inside) / (ior * cosine + inside);
-  return 0.5 * (rs * rs + rp * rp);
 }
 
 ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {

@@ -79,8 +79,4 @@ enum class MicrograinShadowing {
 [[nodiscard]] Direction micrograin_visible_normal(Direction w, double tau0, double beta,
                                                   RandomStream& stream);
 
-/// Fresnel's reflectance of unpolarised light at a dielectric, cosine in [0, 1], ior > 1 from
-/// outside.
-[[nodiscard]] double fresnel_dielectric(double cosine, double ior);
-
 }  // namespace lamella

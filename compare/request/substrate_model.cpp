@@ -15,12 +15,14 @@ class ModelLaw : public SurfaceLaw {
  public:
   explicit ModelLaw(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
 
-  [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override { return model_->eval(wi, wo); }
+  [[nodiscard]] Rgb eval(Direction wi, Direction wo, RandomStream&) const override {
+    return model_->eval(wi, wo);
+  }
 
   // A model's sampler gives the way to the light for a way to the viewer. It takes the light's way
   // here: any density serves, as long as the weight divides by it.
-  [[nodiscard]] std::optional<Sample> sample(Direction wi, double u1, double u2,
-                                             double u3) const override {
+  [[nodiscard]] std::optional<Sample> sample(Direction wi, RandomStream& stream) const override {
+    const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
     const auto wo = model_->sample(wi, u1, u2, u3);
     if (!wo || !(wo->z > 0)) return std::nullopt;
     const double density = model_->pdf(*wo, wi);

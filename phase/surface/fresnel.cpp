@@ -1,15 +1,13 @@
 #include "phase/surface/fresnel.h"
 
 #include <boost/math/quadrature/gauss.hpp>
-#include <cmath>
+
+#include "phase/surface/fresnel_formulas.h"
 
 namespace lamella {
 
 double fresnel_reflectance(double cosine, double ior) {
-  const double refracted = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
-  const double s = (cosine - ior * refracted) / (cosine + ior * refracted);
-  const double p = (refracted - ior * cosine) / (refracted + ior * cosine);
-  return (s * s + p * p) / 2;
+  return refraction(cosine, ior).reflectance;
 }
 
 double mean_fresnel_reflectance(double ior) {

@@ -3,7 +3,7 @@
 namespace lamella {
 
 /// Fresnel's reflectance of unpolarised light at a smooth dielectric of relative index of
-/// refraction ior > 1, from outside; cosine of incidence in [0, 1].
+/// refraction ior > 0 (that beyond over that on this side); cosine of incidence in [0, 1].
 [[nodiscard]] double fresnel_reflectance(double cosine, double ior);
 
 /// Its mean over the hemisphere, 2 integral of F(mu) mu dmu: what diffuse light from outside loses.

@@ -4,26 +4,35 @@
 
 #include "phase/math/color.h"
 #include "phase/math/vec3.h"
+#include "phase/random/random.h"
 
 namespace lamella {
 
-/// How an opaque surface with the normal z reflects, where Lambert's law is not enough: a closed
-/// form as walks see it. Directions are unit and point away from the surface, z > 0.
-/// Implementations are immutable and may be called from any thread.
+/// How an opaque surface with the normal z reflects, where Lambert's law is not enough: a
+/// conductor, or a closed form as walks see it. Directions are unit and point away from the
+/// surface, z > 0. Implementations are immutable and may be called from any thread.
 class SurfaceLaw {
  public:
   struct Sample {
     Direction wo;
     Rgb weight;  ///< f(w_i, w_o) mu_o over the density of w_o: its mean is the directional albedo
+    /// What the law neither reflects nor absorbs: shadow of single scattering. It is `lost` in the
+    /// ledger; what is missing from weight + lost is absorbed.
+    Rgb lost{};
   };
 
   virtual ~SurfaceLaw() = default;
-  /// f(w_i, w_o) [1/sr], the BSDF without the cosine.
-  [[nodiscard]] virtual Rgb eval(Direction wi, Direction wo) const = 0;
-  /// A direction for light that arrived from w_i, from three uniforms in (0, 1), or nothing: then
-  /// the light is absorbed.
-  [[nodiscard]] virtual std::optional<Sample> sample(Direction wi, double u1, double u2,
-                                                     double u3) const = 0;
+  /// f(w_i, w_o) [1/sr], the BSDF without the cosine; where is_stochastic(), an estimate whose mean
+  /// is f. Not of a delta.
+  [[nodiscard]] virtual Rgb eval(Direction wi, Direction wo, RandomStream& stream) const = 0;
+  /// A direction for light that arrived from w_i, or nothing: then the light is absorbed.
+  [[nodiscard]] virtual std::optional<Sample> sample(Direction wi, RandomStream& stream) const = 0;
+  /// Whether w_o is the mirror image of w_i and no other.
+  [[nodiscard]] virtual bool is_delta() const { return false; }
+  /// Whether eval() is an estimate rather than f itself.
+  [[nodiscard]] virtual bool is_stochastic() const { return false; }
+  /// Whether the law has no other direction than z: f depends on the azimuths' difference alone.
+  [[nodiscard]] virtual bool is_symmetric_about_z() const { return true; }
 };
 
 }  // namespace lamella

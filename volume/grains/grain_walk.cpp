@@ -198,13 +198,12 @@ bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
     return true;
   }
   score(hit.point, [&](Direction wo) {
-    const Rgb value = setting_.substrate_law->eval(wi_, wo);
+    const Rgb value = setting_.substrate_law->eval(wi_, wo, stream);
     Weights f;
     for (int c = 0; c < C; ++c) f[c] = value[c];
     return f;
   });
-  const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
-  const auto sample = setting_.substrate_law->sample(wi_, u1, u2, u3);
+  const auto sample = setting_.substrate_law->sample(wi_, stream);
   for (int c = 0; c < C; ++c) kept[c] = sample ? sample->weight[c] : 0;
   if (!survives(kept, stream) || !sample) return false;
   wi_ = -sample->wo;

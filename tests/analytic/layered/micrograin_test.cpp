@@ -278,13 +278,13 @@ TEST(Micrograin, WhiteDielectricGrainsKeepTheEnergy) {
 }
 
 TEST(Micrograin, FresnelAtADielectric) {
-  EXPECT_NEAR(fresnel_dielectric(1, 1.5), 0.04, 1e-15);
-  EXPECT_NEAR(fresnel_dielectric(0, 1.5), 1, 1e-15);
+  EXPECT_NEAR(fresnel_reflectance(1, 1.5), 0.04, 1e-15);
+  EXPECT_NEAR(fresnel_reflectance(0, 1.5), 1, 1e-15);
   // Brewster's angle: parallel light passes whole, so half of the perpendicular reflectance is
   // left.
   const double n = 1.5, brewster = std::cos(std::atan(n));
   const double rs = (1 - n * n) / (1 + n * n);
-  EXPECT_NEAR(fresnel_dielectric(brewster, n), 0.5 * rs * rs, 1e-15);
+  EXPECT_NEAR(fresnel_reflectance(brewster, n), 0.5 * rs * rs, 1e-15);
 }
 
 TEST(Micrograin, AnyClosedFormMayLieBelow) {

@@ -150,13 +150,16 @@ TEST(GrainWalk, ColouredWeightsCarryTheGreyAnswersOfTheirChannels) {
 // f = s (mu_i mu_o)^k / pi, sampled uniformly: as little like the cosine law as a sampler may be.
 struct PowerLaw : SurfaceLaw {
   PowerLaw(double s, double k) : scale(s), power(k) {}
-  [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override {
+  [[nodiscard]] Rgb eval(Direction wi, Direction wo, RandomStream&) const override {
+    return value(wi, wo);
+  }
+  [[nodiscard]] Rgb value(Direction wi, Direction wo) const {
     return Rgb(scale * std::pow(wi.z * wo.z, power) / kPi);
   }
-  [[nodiscard]] std::optional<Sample> sample(Direction wi, double u1, double u2,
-                                             double) const override {
+  [[nodiscard]] std::optional<Sample> sample(Direction wi, RandomStream& stream) const override {
+    const double u1 = stream.uniform(), u2 = stream.uniform();
     const Direction wo = direction_from_mu_phi(u1, 2 * kPi * u2);
-    return Sample{wo, (2 * kPi * wo.z) * eval(wi, wo)};
+    return Sample{wo, (2 * kPi * wo.z) * value(wi, wo)};
   }
   double scale, power;
 };
