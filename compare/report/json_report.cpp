@@ -38,8 +38,12 @@ Json to_json(const ParameterValue& value) {
 Json to_json(const Stack& stack) {
   Json layers = Json::array();
   for (const Layer& layer : stack.layers) {
-    Json entry{{"medium", layer.medium_name}};
+    Json entry{{layer.interface ? "interface" : "medium", layer.medium_name}};
     for (const auto& [key, value] : layer.parameters.all()) entry[key] = to_json(value);
+    if (layer.interface) {
+      layers.push_back(std::move(entry));
+      continue;
+    }
     entry["albedo"] = to_json(ParameterValue(layer.albedo));
     if (!layer.grains) {
       entry["thickness"] = json_number(layer.thickness);

@@ -42,13 +42,14 @@ const std::vector<std::string>& surface_models() {
 }  // namespace
 
 Stack with_surface_model(Stack stack) {
-  if (!stack.substrate || stack.substrate->model.empty()) return stack;
+  if (!stack.substrate || stack.substrate->model.empty() || (stack.substrate->model == kConductor && stack.substrate->law))
+    return stack;
   Substrate& s = *stack.substrate;
   const std::vector<std::string>& allowed = surface_models();
   if (std::find(allowed.begin(), allowed.end(), s.model) == allowed.end())
     throw StackFileError(fmt::format(
-        "{}: substrate: key \"bsdf\": found \"{}\"; allowed below micrograins: black, {}",
-        s.where.at("bsdf"), s.model, listed(allowed)));
+        "{}: substrate: key \"bsdf\": found \"{}\"; allowed: black, {}{}", s.where.at("bsdf"),
+        s.model, stack.grains() ? "" : "conductor, ", listed(allowed)));
   const ModelInfo* info = find_model(s.model);
   Parameters complete;
   for (const auto& [key, value] : s.parameters.all()) {

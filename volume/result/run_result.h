@@ -19,13 +19,20 @@ struct LobeEstimate {
   std::vector<double> value, standard_error;
 };
 
+/// The lobe of order 0 among SideResult::lobes.
+inline constexpr int kZeroLobe = kTallyOrders + 1;
+
 /// What simulate gives for one incident direction; sides are relative to it.
 struct SideResult {
   std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
-  std::array<Estimate, 3> specular{};  ///< the part of `total` that met delta flakes only
+  std::array<Estimate, 3> specular{};  ///< the part of `total` that met deltas only
+  std::array<Estimate, 3> zero{};      ///< of order 0: interfaces alone, `uncollided` apart
   std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
-  /// Lobes 1, 2, 3, 4+, all; empty if light cannot leave here.
-  std::array<LobeEstimate, kTallyOrders + 1> lobes{};
+  /// Lobes 1, 2, 3, 4+, all (kTallyOrders), 0 (kZeroLobe); empty if light cannot leave here, or
+  /// if no rough interface makes a lobe of order 0. Deltas are in none.
+  std::array<LobeEstimate, kTallyOrders + 2> lobes{};
+
+  [[nodiscard]] bool has_zero_lobe() const { return !lobes[kZeroLobe].value.empty(); }
 };
 
 /// What is known of one incident direction, whichever estimator found it. Where the deterministic
@@ -42,6 +49,7 @@ struct RunResult {
   double seconds = 0;
   SideResult reflected, transmitted;
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
+  std::array<Estimate, 3> lost{};  ///< by single scattering at rough interfaces
   std::array<Estimate, 3> thinned{};  ///< by walks that ended for others to count double: noise
   std::optional<DeterministicAccuracy> accuracy{};
 
@@ -51,7 +59,7 @@ struct RunResult {
 /// The sum of all parts of the ledger, 1 up to rounding.
 [[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {
   return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
-         run.absorbed[c].value + run.unresolved[c].value + run.thinned[c].value;
+         run.absorbed[c].value + run.unresolved[c].value + run.lost[c].value + run.thinned[c].value;
 }
 
 }  // namespace lamella
