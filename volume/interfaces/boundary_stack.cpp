@@ -54,8 +54,7 @@ bool BoundaryStack::is_trapped(int layer, Direction w) const {
   };
   // Above the layer light arrives from below, and the other way round.
   return reflects(boundaries[layer], -std::abs(w.z)) &&
-         reflects(boundaries[layer + 1], std::abs(w.z)) &&
-         !(layer + 1 == count() && has_substrate);
+         reflects(boundaries[layer + 1], std::abs(w.z)) && !(layer + 1 == count() && has_substrate);
 }
 
 }  // namespace lamella

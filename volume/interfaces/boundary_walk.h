@@ -111,8 +111,7 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
     const int layer = wi.z > 0 ? boundary : boundary - 1;
     if (layer < 0 || layer >= n) {
       const bool down = wi.z > 0;
-      boundary_detail::leave(weight, energy, down, down == (incident.z > 0), order,
-                             met.only_delta);
+      boundary_detail::leave(weight, energy, down, down == (incident.z > 0), order, met.only_delta);
       if (!met.only_delta) scorer.leave(-wi, weight.value, order, met.open);
       break;
     }

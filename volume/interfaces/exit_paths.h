@@ -22,17 +22,16 @@ class ExitPaths {
  public:
   /// Segments in one layer, structure of arrays.
   struct Segments {
-    std::vector<double> x, y, z;    ///< direction of the light
-    std::vector<double> through;    ///< radiance that leaves / radiance at the segment's end
-    std::vector<double> rate;       ///< optical depth per depth: sigma(-w) / |w.z|
+    std::vector<double> x, y, z;  ///< direction of the light
+    std::vector<double> through;  ///< radiance that leaves / radiance at the segment's end
+    std::vector<double> rate;     ///< optical depth per depth: sigma(-w) / |w.z|
     std::vector<int> target;
     [[nodiscard]] std::size_t count() const { return x.size(); }
   };
   /// Ways that begin at the substrate: rate has no meaning.
   using Ends = Segments;
 
-  explicit ExitPaths(const BoundaryStack& stack)
-      : stack_(stack), layers_(stack.layers.size()) {}
+  explicit ExitPaths(const BoundaryStack& stack) : stack_(stack), layers_(stack.layers.size()) {}
 
   void clear();
   /// Adds the ways to a target; w_o unit, mu != 0.
