@@ -195,6 +195,13 @@ std::vector<double> LobeComparison::z() const {
   return out;
 }
 
+double LobeComparison::open_share() const {
+  double open = 0, all = 0;
+  for (const double e : projection_error) open += e;
+  for (const double f : model) all += std::abs(f);
+  return open == 0 ? 0 : all > 0 ? open / all : std::numeric_limits<double>::infinity();
+}
+
 std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
                                     const ProjectedLobes& model, bool reflected) {
   std::vector<LobeComparison> lobes;

@@ -30,7 +30,9 @@ inline constexpr int kProjectionPanels = 32;
 /// After this time cells are refined no further, whatever is left open.
 inline constexpr double kProjectionSeconds = 30;
 
-/// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
+/// Projects by Gauss-Legendre quadrature over each cell, cut beforehand into small pieces about the
+/// mirror direction, w_i and the way straight through, where peaks of any width above 1e-3 radians
+/// are found, and refined until a cell's value changes by
 /// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean), at most
 /// kProjectionPanels times along mu and phi, and for at most kProjectionSeconds of time. `up`: the
 /// side w_o lies on; channels: 1 or 3. A stochastic model's parts, as many as a run has batches,
