@@ -9,7 +9,7 @@
 namespace lamella {
 
 std::string to_text(Order order) {
-  static const std::string names[] = {"1", "2", "3", "4+", "all"};
+  static const std::string names[] = {"1", "2", "3", "4+", "all", "0", "1+"};
   return names[static_cast<int>(order)];
 }
 

@@ -28,7 +28,9 @@ FurnaceRun judge_bounded(const RunResult& run, bool white) {
   furnace.run = run;
   for (int c = 0; c < run.channels; ++c) {
     double energy = run.uncollided[c].value, bound = run.absorbed[c].standard_error;
+    bound += run.lost[c].standard_error;
     for (const SideResult* side : {&run.reflected, &run.transmitted}) {
+      if (!side->lobes[kTallyOrders].value.empty()) energy += side->specular[c].value;
       const LobeEstimate& all = side->lobes[kTallyOrders];
       const std::size_t cells = all.value.size() / run.channels;
       if (all.value.empty()) {  // the depth of a half space has no cells
@@ -41,10 +43,11 @@ FurnaceRun judge_bounded(const RunResult& run, bool white) {
       }
     }
     furnace.energy[c] = {energy, bound};
-    furnace.expected[c] = 1 - run.absorbed[c].value;
+    const double missing = run.absorbed[c].value + run.lost[c].value;
+    furnace.expected[c] = 1 - missing;
     const double defect = energy - furnace.expected[c], noise = bound + 1e-12;
     furnace.gains = furnace.gains || defect > noise;
-    furnace.loses = furnace.loses || defect < -noise || (white && run.absorbed[c].value > noise);
+    furnace.loses = furnace.loses || defect < -noise || (white && missing > noise);
     furnace.is_wide = furnace.is_wide || !(bound <= kWidestFurnaceError);
   }
   furnace.verdict = verdict_of(furnace);
@@ -89,24 +92,26 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     // The difference of the estimator and the ledger per batch: what both share cancels.
     const auto seen = [&](const BatchTally& b) {
       double sum = b.energy.uncollided[c] + b.energy.specular_up[c] + b.energy.specular_down[c];
-      for (int o = 0; o < kTallyOrders; ++o)
+      for (int o = 0; o < simulation.plan().order_slots(); ++o)
         for (std::size_t k = 0; k < count; ++k)
           sum += solid_angle * b.f[(static_cast<std::size_t>(o) * run.channels + c) * count + k];
       return sum;
     };
     furnace.energy[c] = batch_estimate(simulation.batches(), seen);
     const double unresolved = run.unresolved[c].value;
-    furnace.expected[c] = 1 - run.absorbed[c].value - unresolved - run.thinned[c].value;
+    furnace.expected[c] =
+        1 - run.absorbed[c].value - unresolved - run.lost[c].value - run.thinned[c].value;
     const Estimate defect = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] + b.energy.thinned[c] -
-             static_cast<double>(b.walks);
+      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] + b.energy.lost[c] +
+             b.energy.thinned[c] - static_cast<double>(b.walks);
     });
     const double noise = t * defect.standard_error + 1e-12;
     // A sharp lobe that few walks hit: so few events that their mean is far from normal.
     const double error = furnace.energy[c].standard_error;
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
-    const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
+    const double lost = run.absorbed[c].value + run.lost[c].value -
+                        (weighs ? t * run.absorbed[c].standard_error : 0);
     furnace.gains = furnace.gains || (defect.value > noise && !too_few);
     furnace.loses = furnace.loses || (defect.value < -noise && !too_few) || (white && lost > 1e-12);
     furnace.is_cut = furnace.is_cut || unresolved > noise;

@@ -77,7 +77,7 @@ class CellIntegrator {
 
   // The cell's means with panels x panels panels in each of its pieces.
   [[nodiscard]] Values means(int cell, const std::vector<Piece>& pieces, int panels) const {
-    Values sums(kOrders + 1);
+    Values sums(kLobeOrders);
     for (const Piece& piece : pieces) {
       const Values part = integrals(piece, panels);
       for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += part[o];
@@ -114,7 +114,7 @@ class CellIntegrator {
     const double mu0 = piece.mu0, phi0 = azimuth(wi_) + piece.phi0;
     const double dmu = (piece.mu1 - piece.mu0) / panels;
     const double dphi = (piece.phi1 - piece.phi0) / panels;
-    Values sums(kOrders + 1);
+    Values sums(kLobeOrders);
     std::vector<Rgb> lobes(info_.lobes.size());
     for (int a = 0; a < panels; ++a)
       for (const auto& [x, wx] : rule) {
@@ -161,9 +161,9 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   return true;
 }
 
-std::array<std::vector<double>, kOrders + 1> by_channel(const std::vector<Values>& cells,
+std::array<std::vector<double>, kLobeOrders> by_channel(const std::vector<Values>& cells,
                                                         int channels) {
-  std::array<std::vector<double>, kOrders + 1> lobes;
+  std::array<std::vector<double>, kLobeOrders> lobes;
   for (std::size_t o = 0; o < lobes.size(); ++o)
     for (int c = 0; c < channels; ++c)
       for (const Values& cell : cells) lobes[o].push_back(cell[o][c]);
@@ -183,9 +183,9 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
     pieces[cell] = integrator.pieces(cell);
     coarse[cell] = integrator.means(cell, pieces[cell], 1);
   });
-  Values scale(kOrders + 1);
+  Values scale(kLobeOrders);
   for (const Values& v : coarse)
-    for (int o = 0; o <= kOrders; ++o)
+    for (int o = 0; o < kLobeOrders; ++o)
       for (int c = 0; c < 3; ++c) scale[o][c] += std::abs(v[o][c]) / cells;
 
   const auto start = std::chrono::steady_clock::now();
@@ -193,7 +193,7 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >
            kProjectionSeconds;
   };
-  const Values nothing(kOrders + 1);
+  const Values nothing(kLobeOrders);
   std::vector<Values> open(cells, nothing);
   tbb::parallel_for(0, cells, [&](int cell) {
     open[cell] = change(coarse[cell], nothing);  // unrefined, nothing is known of it
@@ -215,6 +215,7 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   ProjectedLobes result;
   result.has[kOrders] = true;
   for (const LobeInfo& lobe : info.lobes) result.has[static_cast<int>(lobe.order)] = true;
+
   result.lobes = by_channel(coarse, channels);
   result.errors = by_channel(open, channels);
   if (const auto* stochastic = dynamic_cast<const StochasticModel*>(&model))

@@ -28,26 +28,34 @@ BoundaryNextEvent<C>::BoundaryNextEvent(const BoundaryStack& stack,
 }
 
 template <int C>
-void BoundaryNextEvent<C>::trace_all(RandomStream& stream) {
+void BoundaryNextEvent<C>::begin_walk(std::uint64_t seed, std::uint64_t index) {
+  // The walks i of a batch are batch + i kBatches: a group begins at the same walk in any split.
+  const std::uint64_t in_batch = index / kBatches;
+  const std::uint64_t group = index - in_batch % kWalksPerWay * kBatches;
+  if (traced_ && group == group_) return;
+  // Ways without chance are the same for all walks to the same points.
+  if (traced_ && !redrawn_ && !ways_.is_random()) return;
+  seed_ = seed;
+  group_ = group;
+  traced_ = false;
+}
+
+template <int C>
+const ExitPaths& BoundaryNextEvent<C>::ways() {
+  if (traced_) return ways_;
+  if (redrawn_) redrawn_->redraw(seed_, group_, x_, y_, z_, inverse_mu_);
+  RandomStream stream(seed_, group_, StreamPurpose::ways);
   ways_.clear();
   for (std::size_t j = 0; j < count_; ++j)
     ways_.trace({x_[j], y_[j], z_[j]}, static_cast<int>(j), stream);
   traced_ = true;
-}
-
-template <int C>
-void BoundaryNextEvent<C>::begin_walk(std::uint64_t seed, std::uint64_t index) {
-  if (redrawn_) redrawn_->redraw(seed, index, x_, y_, z_, inverse_mu_);
-  // Ways without chance are the same for all walks to the same points.
-  if (traced_ && !redrawn_ && !ways_.is_random()) return;
-  RandomStream stream(seed, index, StreamPurpose::ways);
-  trace_all(stream);
+  return ways_;
 }
 
 template <int C>
 void BoundaryNextEvent<C>::substrate(const std::array<double, C>& weight,
                                      const std::array<double, C>& albedo, std::uint64_t order) {
-  const ExitPaths::Ends& ends = ways_.at_substrate();
+  const ExitPaths::Ends& ends = ways().at_substrate();
   double* sums = sums_of(order);
   for (std::size_t j = 0; j < ends.count(); ++j) {
     const double transport = lambert_radiance(ends.through[j]);
@@ -59,7 +67,7 @@ void BoundaryNextEvent<C>::substrate(const std::array<double, C>& weight,
 template <int C>
 void BoundaryNextEvent<C>::substrate(const std::array<double, C>& weight, const SurfaceLaw& law,
                                      Direction wi, std::uint64_t order, RandomStream& stream) {
-  const ExitPaths::Ends& ends = ways_.at_substrate();
+  const ExitPaths::Ends& ends = ways().at_substrate();
   double* sums = sums_of(order);
   double checksum = 0;
   for (std::size_t j = 0; j < ends.count(); ++j) {
@@ -92,7 +100,7 @@ bool BoundaryNextEvent<C>::interface(int boundary, const Dielectric& at, Directi
         if ((z_[j] > 0) == up) send({x_[j], y_[j], z_[j]}, 1, static_cast<int>(j));
       return;
     }
-    const ExitPaths::Segments& s = ways_.in_layer(layer);
+    const ExitPaths::Segments& s = ways().in_layer(layer);
     const double depth = stack_.layers[layer].depth;
     for (std::size_t j = 0; j < s.count(); ++j)
       if ((s.z[j] > 0) == up)

@@ -25,7 +25,10 @@ struct UnaimedAtBoundaries : Base {
 
 /// Next-event estimation through interfaces: every event sends its share along the ways out
 /// (ExitPaths). On cells, light that met nothing but interfaces and deltas counts in the cell where
-/// it leaves; at points the first rough boundary that it meets is aimed.
+/// it leaves; at points the first rough boundary that it meets is aimed. Ways cost as much as many
+/// events: kWalksPerWay walks of a batch share them.
+inline constexpr std::uint64_t kWalksPerWay = 8;
+
 template <int C>
 class BoundaryNextEvent {
  public:
@@ -39,7 +42,7 @@ class BoundaryNextEvent {
   template <class Event>
   void collision(const WalkLayer& l, int layer, double y, const Event& event,
                  const std::array<double, C>& weight, std::uint64_t order) {
-    const ExitPaths::Segments& s = ways_.in_layer(layer);
+    const ExitPaths::Segments& s = ways().in_layer(layer);
     double* sums = sums_of(order);
     double checksum = 0;
     for (std::size_t j = 0; j < s.count(); ++j) {
@@ -74,7 +77,8 @@ class BoundaryNextEvent {
   [[nodiscard]] double* sums_of(std::uint64_t order) {
     return tally_.f.data() + static_cast<std::size_t>(order_slot(order)) * C * count_;
   }
-  void trace_all(RandomStream& stream);
+  /// The ways of the walk that has begun, traced when they are asked for.
+  [[nodiscard]] const ExitPaths& ways();
 
   const BoundaryStack& stack_;
   const CellTargets* cells_ = nullptr;
@@ -83,6 +87,7 @@ class BoundaryNextEvent {
   std::size_t count_;
   std::vector<double> x_, y_, z_, inverse_mu_;
   ExitPaths ways_;
+  std::uint64_t seed_ = 0, group_ = 0;
   bool traced_ = false;
   bool finite_ = true;
 };

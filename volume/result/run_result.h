@@ -19,8 +19,8 @@ struct LobeEstimate {
   std::vector<double> value, standard_error;
 };
 
-/// The lobe of order 0 among SideResult::lobes.
-inline constexpr int kZeroLobe = kTallyOrders + 1;
+/// Among SideResult::lobes, those of order 0 and of orders 1 and up.
+inline constexpr int kZeroLobe = kTallyOrders + 1, kScatteredLobe = kTallyOrders + 2;
 
 /// What simulate gives for one incident direction; sides are relative to it.
 struct SideResult {
@@ -28,9 +28,9 @@ struct SideResult {
   std::array<Estimate, 3> specular{};  ///< the part of `total` that met deltas only
   std::array<Estimate, 3> zero{};      ///< of order 0: interfaces alone, `uncollided` apart
   std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
-  /// Lobes 1, 2, 3, 4+, all (kTallyOrders), 0 (kZeroLobe); empty if light cannot leave here, or
-  /// if no rough interface makes a lobe of order 0. Deltas are in none.
-  std::array<LobeEstimate, kTallyOrders + 2> lobes{};
+  /// Lobes 1, 2, 3, 4+, all (kTallyOrders); where a rough interface makes a lobe of order 0, that
+  /// one and the sum of the others. Empty if light cannot leave here. Deltas are in none.
+  std::array<LobeEstimate, kTallyOrders + 3> lobes{};
 
   [[nodiscard]] bool has_zero_lobe() const { return !lobes[kZeroLobe].value.empty(); }
 };
@@ -55,6 +55,11 @@ struct RunResult {
 
   [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }
 };
+
+/// Whether single scattering at rough interfaces has lost light.
+[[nodiscard]] inline bool has_loss(const RunResult& run) {
+  return run.lost[0].value > 0 || run.lost[1].value > 0 || run.lost[2].value > 0;
+}
 
 /// The sum of all parts of the ledger, 1 up to rounding.
 [[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {

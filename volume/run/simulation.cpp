@@ -247,7 +247,7 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
   if (!up && !targets.both_sides) return side;
   const int slots = simulation.plan().order_slots();
   for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
-    if (o == kZeroLobe && !simulation.plan().rough_boundaries) continue;
+    if (o > kTallyOrders && !simulation.plan().rough_boundaries) continue;
     LobeEstimate& lobe = side.lobes[o];
     lobe.value.resize(static_cast<std::size_t>(channels) * cells);
     lobe.standard_error.resize(lobe.value.size());
@@ -258,9 +258,11 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
           return (static_cast<std::size_t>(order) * channels + c) * count + target;
         };
         const Estimate e = batch_estimate(batches, [&](const BatchTally& b) {
-          if (o != kTallyOrders) return b.f[slot(o == kZeroLobe ? kZeroSlot : o)];
+          if (o < kTallyOrders) return b.f[slot(o)];
+          if (o == kZeroLobe) return b.f[slot(kZeroSlot)];
           double sum = 0;
-          for (int order = 0; order < slots; ++order) sum += b.f[slot(order)];
+          const int end = o == kScatteredLobe ? kTallyOrders : slots;
+          for (int order = 0; order < end; ++order) sum += b.f[slot(order)];
           return sum;
         });
         lobe.value[static_cast<std::size_t>(c) * cells + cell] = e.value;
