@@ -81,11 +81,16 @@ class Reader {
       if (key != "layer" && key != "substrate")
         fail(key.source(), unknown_key(key.str(), {"layer", "substrate"}, "the stack"));
     const toml::node* layers = root.get("layer");
-    if (!layers)
+    // A surface may stand alone.
+    static const toml::array nothing;
+    if (!layers && !root.get("substrate"))
       throw StackFileError(fmt::format(
-          "{}:1: key \"layer\": found nothing; allowed: one or more [[layer]] tables", file_));
-    const toml::array* array = layers->as_array();
-    if (!array || array->empty() || !array->is_homogeneous(toml::node_type::table))
+          "{}:1: key \"layer\": found nothing; allowed: one or more [[layer]] tables, or a "
+          "[substrate] alone",
+          file_));
+    const toml::array* array = layers ? layers->as_array() : &nothing;
+    if (!array || (layers && array->empty()) ||
+        !(array->empty() || array->is_homogeneous(toml::node_type::table)))
       fail(layers->source(), fmt::format("key \"layer\": found {}; allowed: one or more [[layer]] "
                                          "tables",
                                          described(*layers)));
@@ -100,11 +105,11 @@ class Reader {
                         "geometry as the only layer, over a [substrate] or none",
                         index, layer.medium_name, array->size()));
       if (layer.interface && (stack.has_grid() || stack.grains()))
-        fail(node.as_table()->get("interface")->source(),
-             fmt::format("layer {}: key \"interface\": found \"{}\" beside {}; allowed: layers "
-                         "without grids, whose walk knows no interfaces",
-                         index, layer.medium_name,
-                         stack.grains() ? "explicit geometry" : "a grid"));
+        fail(
+            node.as_table()->get("interface")->source(),
+            fmt::format("layer {}: key \"interface\": found \"{}\" beside {}; allowed: layers "
+                        "without grids, whose walk knows no interfaces",
+                        index, layer.medium_name, stack.grains() ? "explicit geometry" : "a grid"));
       if (layer.grid && stack.layers.size() > 1 &&
           std::any_of(stack.layers.begin(), stack.layers.end(),
                       [](const Layer& l) { return l.interface.has_value(); }))
@@ -275,9 +280,9 @@ class Reader {
     const InterfaceInfo* info = name ? find_interface(name->get()) : nullptr;
     if (!info) {
       const std::string hint = name ? suggestion(name->get(), names) : "";
-      fail(node.source(), fmt::format("{}: key \"interface\": found {}{}; allowed: one of {}",
-                                      where, described(node), hint.empty() ? "" : " (" + hint + ")",
-                                      listed(names)));
+      fail(node.source(),
+           fmt::format("{}: key \"interface\": found {}{}; allowed: one of {}", where,
+                       described(node), hint.empty() ? "" : " (" + hint + ")", listed(names)));
     }
     Layer layer{.medium_name = info->name,
                 .parameters = read_keys(table, info->parameters, {"interface"},
