@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,11 @@ inline constexpr std::uint64_t kPreviewWalks = 10000;
 class LobeTable {
  public:
   /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = HalfVectorGrid::kLeastMu.
-  [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const;
+  [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const { return towards(wo)(wi); }
+
+  /// The same as a function of w_i: the table is blended once per w_o. Must not outlive this
+  /// object.
+  [[nodiscard]] std::function<Rgb(Direction wi)> towards(Direction wo) const;
 
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
