@@ -219,7 +219,9 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
                found.evaluations);
   }
   const auto list = [](Rgb c) { return Json{c.r, c.g, c.b}; };
+  inputs.check();
   Json json = json_header("invert", options.seed, isa_of(options));
+  add_files(json, inputs);
   json["what"] = what;
   json["color"] = list(target);
   json["albedo"] = list(found.albedo);

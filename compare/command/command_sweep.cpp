@@ -161,8 +161,8 @@ int sweep_command(const Options& options) {
   monitor.solver = {};
   monitor.finished = {};
   // What is odd about a grid's file is the same at every point.
-  monitor.warning = [told = std::set<std::string>(),
-                     warn = monitor.warning](const std::string& message) mutable {
+  std::set<std::string> told;
+  monitor.warning = [&told, warn = monitor.warning](const std::string& message) {
     if (told.insert(message).second) warn(message);
   };
   Json list = Json::array();

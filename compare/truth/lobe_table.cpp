@@ -37,7 +37,7 @@ Rgb order_one(const Stack& stack, Direction wi, Direction wo) {
 }
 
 // Scales stand at this many places for every step between two nodes in mu_o.
-constexpr std::size_t kScalesPerNode = 4;
+constexpr std::size_t kScalesPerNode = 8;
 
 // A place among equally spaced values, by the cubic through the four nearest.
 double interpolated(const std::vector<double>& v, double place) {

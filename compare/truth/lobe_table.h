@@ -57,7 +57,7 @@ class LobeTable {
 
   Stack stack_;
   HalfVectorGrid rest_;               // orders 2 and up
-  std::vector<Rgb> scales_;           // of them at every node in mu_o and halfway between two
+  std::vector<Rgb> scales_;           // of them at every node in mu_o and between two
   std::vector<RestEnergy> energies_;  // of the nodes in mu_o
   std::string source_;
 };
