@@ -81,6 +81,7 @@ struct ListedMedium {
 int explain_command(const Options& options) {
   TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
+  const InputFiles inputs(stack);
   const Plan plan = plan_of(request);
   for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
   std::FILE* out = table_stream(options);
@@ -95,8 +96,8 @@ int explain_command(const Options& options) {
   }
   const auto add = [&](const PlanNote& note) {
     if (!options.quiet)
-      fmt::print(out, "{:<12} {}\n{:<12} because: {}\n", note.subject, note.decision, "",
-                 note.reason);
+      fmt::print(out, "{}{}", wrapped(fmt::format("{:<12} ", note.subject), note.decision),
+                 wrapped(fmt::format("{:<12} because: ", ""), note.reason, 13));
     answer["plan"].push_back(
         {{"subject", note.subject}, {"decision", note.decision}, {"reason", note.reason}});
   };
@@ -119,6 +120,8 @@ int explain_command(const Options& options) {
   std::string names;
   for (const ModelInfo& info : models())
     if (info.applies_to && info.applies_to(stack)) names += (names.empty() ? "" : ", ") + info.name;
+  inputs.check();
+  add_files(answer, inputs);
   add({"models", names.empty() ? "none" : names, "the closed forms that apply to this stack"});
   write_json(answer, options.json);
   return kDone;

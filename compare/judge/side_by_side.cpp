@@ -139,7 +139,7 @@ std::string side_by_side_table(const std::vector<SideBySide>& rows) {
   std::string text =
       "\nThe geometry, a medium measured from it, closed forms of that medium; rel. RMSE without "
       "noise of\n  (a) the medium, over the geometry's root mean square, (b) the form, over the "
-      "medium's, (c) the form,\n  over the geometry's; noise: of (a), with what cut walks lack\n";
+      "medium's,\n  (c) the form, over the geometry's; noise: of (a), with what cut walks lack\n";
   text += fmt::format("  {:>7} {:>5}  {:<34} {:>8} {:>9} {:>9} {:>9} {:>9}\n", "theta_i", "order",
                       "medium, form", "energy", "(a)", "(b)", "(c)", "noise");
   const SideBySide* last = nullptr;

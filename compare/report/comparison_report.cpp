@@ -49,7 +49,7 @@ Json to_json(const LobeComparison& l) {
 }
 
 std::string missing_text(const LobeComparison& l) {
-  return l.is_cut() ? fmt::format("<={:.1e}", luminance(l.energy_missing)) : "none";
+  return l.is_cut() ? fmt::format("<{:.1e}", luminance(l.energy_missing)) : "none";
 }
 
 // A line where the quadrature over cells ended before it was exact, by its panels or its time.
@@ -76,7 +76,7 @@ std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_orde
     // Where light is missing the verdict has the range of the rel. RMSE: as it stands it is left
     // out.
     text += fmt::format("  {:>7} {:>8} {:>5} {:>8} {:>7}{} {:>8}{} {:>8} {:>7}  {}\n", "theta_i",
-                        "side", "order", "truth", "+-", cut ? fmt::format(" {:>9}", "missing") : "",
+                        "side", "order", "truth", "+-", cut ? fmt::format(" {:>8}", "missing") : "",
                         "model", cut ? "" : fmt::format(" {:>9}", "rel. RMSE"), "no noise", "p",
                         "verdict");
     for (const LobeComparison& l : m.lobes)
@@ -84,7 +84,7 @@ std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_orde
           fmt::format("  {:>7g} {:>8} {:>5} {:>8.5f} {:>7.1e}{} {:>8.5f}{} {:>8} {:>7.2g}  {}\n",
                       theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
                       luminance(l.energy_truth), luminance(l.energy_error),
-                      cut ? fmt::format(" {:>9}", missing_text(l)) : "", luminance(l.energy_model),
+                      cut ? fmt::format(" {:>8}", missing_text(l)) : "", luminance(l.energy_model),
                       cut ? "" : fmt::format(" {:>9}", percent_cell(l.relative_rmse)),
                       percent_cell(l.relative_rmse_without_noise), l.p_value, verdict_text(l));
     text += open_projection_text(m.lobes);

@@ -333,6 +333,8 @@ double run(Simulation& simulation, const StopRule& rule,
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   constexpr double kCheckpointSeconds = 0.2;
   std::uint64_t chunk = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
+  // Where the clock decides a first step must be short: one walk per batch, or a realisation.
+  if (rule.seconds) chunk = simulation.lane_use() ? kBatches : simulation.stride();
   std::uint64_t next_test = std::max<std::uint64_t>(1 << 14, simulation.stride());
   while (simulation.walks() < rule.walks) {
     std::uint64_t goal = std::min(rule.walks, simulation.walks() + chunk);
