@@ -13,11 +13,12 @@
 
 namespace lamella {
 
-/// The scattering orders that lobes are tallied by: 1, 2, 3, and all from 4 on.
-enum class Order { one, two, three, four_plus, all };
+/// The scattering orders that lobes are tallied by: 1, 2, 3, and all from 4 on. Order 0 is light
+/// that met interfaces alone; it stands last because the others count tallies.
+enum class Order { one, two, three, four_plus, all, zero };
 inline constexpr int kOrders = 4;
 
-/// "1", "2", "3", "4+", "all"
+/// "1", "2", "3", "4+", "all", "0"
 [[nodiscard]] std::string to_text(Order order);
 
 /// A named part of a closed form. `order` is the scattering order it stands for; Order::all if it
@@ -85,6 +86,9 @@ class Model {
   /// The share of light from w_i that passes without scattering (a delta, no part of eval).
   [[nodiscard]] virtual double uncollided(Direction wi) const;
 
+  /// The share of light from w_i that a smooth interface reflects (a delta, no part of eval).
+  [[nodiscard]] virtual Rgb specular(Direction wi) const;
+
  protected:
   explicit Model(int lobes) : lobes_(lobes) {}
 
@@ -121,6 +125,7 @@ struct ModelInfo {
   /// the name of that parameter, and the further ones for one of its choices.
   std::string selector = {};
   std::function<std::vector<ParameterInfo>(const std::string& choice)> selected = {};
+  std::string selected_prefix = {};  ///< what their names begin with
 };
 
 /// The parameters there are: info.parameters, and those that `choice` of the selector adds, if the

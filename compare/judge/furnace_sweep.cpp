@@ -14,7 +14,9 @@ constexpr int kSteps = 5;
 constexpr double kWidestRange = 100;
 
 bool is_white(const ParameterInfo& p) {
-  return p.name == "albedo" || p.name == "f0" || p.name == "bulk_albedo";
+  for (const char* name : {"albedo", "f0", "bulk_albedo", "base.albedo", "base_color"})
+    if (p.name == name) return true;
+  return false;
 }
 
 std::vector<ParameterValue> values_of(const ParameterInfo& p) {
@@ -69,7 +71,7 @@ FurnaceSweep sweep_furnace(const ModelInfo& info) {
     ++sweep.configurations;
     for (const double mu : kCosines) {
       const Direction wi = with_grazing_limit(direction_from_mu_phi(mu, 0));
-      const double energy = model->albedo(wi).g + model->uncollided(wi);
+      const double energy = model->albedo(wi).g + model->specular(wi).g + model->uncollided(wi);
       if (!std::isfinite(energy))
         throw std::domain_error(
             fmt::format("{}: the energy at mu = {} is not finite with {}", info.name, mu, text));

@@ -55,7 +55,8 @@ class CellIntegrator {
             for (std::size_t k = 0; k < lobes.size(); ++k) {
               const Rgb part = weight * lobes[k];
               sums[kOrders] += part;
-              if (info_.lobes[k].order != Order::all)
+              // Order 0 has no tally yet: it is part of all orders only.
+              if (static_cast<int>(info_.lobes[k].order) < kOrders)
                 sums[static_cast<int>(info_.lobes[k].order)] += part;
             }
           }
@@ -142,7 +143,8 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
 
   ProjectedLobes result;
   result.has[kOrders] = true;
-  for (const LobeInfo& lobe : info.lobes) result.has[static_cast<int>(lobe.order)] = true;
+  for (const LobeInfo& lobe : info.lobes)
+    if (static_cast<int>(lobe.order) < kOrders) result.has[static_cast<int>(lobe.order)] = true;
   result.lobes = by_channel(coarse, channels);
   result.errors = by_channel(open, channels);
   if (const auto* stochastic = dynamic_cast<const StochasticModel*>(&model))
