@@ -11,9 +11,11 @@ namespace {
 // Of the rules' differences: the errors are smaller by 100 and more.
 constexpr double kReflectedTolerance = 1e-7, kTransmittedTolerance = 1e-6, kMeanTolerance = 1e-6;
 
-// Albedos go like mu log mu near 0, and like mu^b with the masking's Beta function.
-constexpr double kFinest = 1e-7, kFinestTransmitted = 1e-6;
-constexpr int kTerms = 14, kTermsTransmitted = 9;
+// Of tables: albedos go like mu log mu near 0, and like mu^b with the masking's Beta function; near
+// 1 refracted light goes like (1 - mu) log(1 - mu).
+constexpr int kTerms = 12, kTermsTransmitted = 9;
+constexpr double kNear0 = 1e-7, kNear1 = 0.01;
+constexpr double kNear0Transmitted = 1e-6, kNear1Transmitted = 1e-4;
 
 Direction at_cosine(double mu) { return direction_from_mu_phi(std::fmax(mu, kGrazingLimit), 0); }
 
@@ -46,7 +48,7 @@ void Coat::make_tables(bool through) {
             [&](double cosine, Direction) { return fresnel_reflectance(std::fmin(cosine, 1), n); },
             kReflectedTolerance);
       },
-      kFinest, kTerms);
+      kTerms, kNear0, kNear1);
   reflected_mean_ = reflected_.mean();
   if (!through) return;
   for (int c = 0; c < (color_.is_grey() ? 1 : 3); ++c)
@@ -56,7 +58,7 @@ void Coat::make_tables(bool through) {
               facets, interface_.masking, n, at_cosine(mu),
               [&](double cosine) { return passed(color_[c], cosine); }, kTransmittedTolerance);
         },
-        kFinestTransmitted, kTermsTransmitted);
+        kTermsTransmitted, kNear0Transmitted, kNear1Transmitted);
 }
 
 double Coat::internal_mean_of(double color) const {

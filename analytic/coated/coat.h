@@ -10,8 +10,8 @@ namespace lamella {
 
 /// A dielectric interface with air above it and, below, a coat of index n that absorbs: what
 /// layering formulas ask of it, as functions of cosines in air. Smooth: in closed form; rough:
-/// single scattering, tabulated when the coat is made: E and <E> within 1e-6 of their value, T and
-/// the internal mean within 1e-6. mu in [0, 1].
+/// single scattering, tabulated when the coat is made: E and <E> within 1e-6 of their value
+/// (2e-5 next to index 1), T and the internal mean within 2e-6. mu in [0, 1].
 class Coat {
  public:
   /// interface: index above 1, below n in [1, 4]; the same roughness along x and y. color: what two

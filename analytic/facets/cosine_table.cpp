@@ -8,30 +8,39 @@
 
 namespace lamella {
 
-CosineTable::CosineTable(const std::function<double(double mu)>& f, double finest, int terms)
+CosineTable::CosineTable(const std::function<double(double mu)>& f, int terms, double near_0,
+                         double near_1)
     : terms_(terms) {
-  while (std::ldexp(1.0, -last_) > finest && last_ < 60) ++last_;
-  for (int panel = 0; panel <= last_; ++panel) {
-    const double high = std::ldexp(1.0, -panel), low = panel == last_ ? 0 : high / 2;
-    std::vector<double> values(terms);
-    for (int k = 0; k < terms; ++k)
-      values[k] = f(low + (high - low) * (1 + std::cos(kPi * (k + 0.5) / terms)) / 2);
-    for (int n = 0; n < terms; ++n) {
-      double sum = 0;
-      for (int k = 0; k < terms; ++k) sum += values[k] * std::cos(kPi * n * (k + 0.5) / terms);
-      coefficients_.push_back((n == 0 ? 1.0 : 2.0) / terms * sum);
+  fill(lower_, false, f, near_0);
+  fill(upper_, true, f, near_1);
+}
+
+void CosineTable::fill(Half& half, bool upper, const std::function<double(double mu)>& f,
+                       double finest) {
+  while (std::ldexp(0.5, -half.last) > finest && half.last < 60) ++half.last;
+  std::vector<double> values(static_cast<std::size_t>(terms_));
+  for (int panel = 0; panel <= half.last; ++panel) {
+    const double high = std::ldexp(0.5, -panel), low = panel == half.last ? 0 : high / 2;
+    for (int k = 0; k < terms_; ++k) {
+      const double d = low + (high - low) * (1 + std::cos(kPi * (k + 0.5) / terms_)) / 2;
+      values[k] = f(upper ? 1 - d : d);
     }
-    mean_ += boost::math::quadrature::gauss<double, 7>::integrate(
-        [&](double mu) { return 2 * mu * (*this)(mu); }, low, high);
+    for (int n = 0; n < terms_; ++n) {
+      double sum = 0;
+      for (int k = 0; k < terms_; ++k) sum += values[k] * std::cos(kPi * n * (k + 0.5) / terms_);
+      half.coefficients.push_back((n == 0 ? 1.0 : 2.0) / terms_ * sum);
+    }
+    mean_ += boost::math::quadrature::gauss<double, 9>::integrate(
+        [&](double d) { return 2 * (upper ? 1 - d : d) * at(half, d); }, low, high);
   }
 }
 
-double CosineTable::operator()(double mu) const {
-  const int panel = mu > 0 ? std::clamp(-1 - std::ilogb(mu), 0, last_) : last_;
-  const double high = std::ldexp(1.0, -panel), low = panel == last_ ? 0 : high / 2;
-  const double x = 2 * (mu - low) / (high - low) - 1;
+double CosineTable::at(const Half& half, double distance) const {
+  const int panel = distance > 0 ? std::clamp(-2 - std::ilogb(distance), 0, half.last) : half.last;
+  const double high = std::ldexp(0.5, -panel), low = panel == half.last ? 0 : high / 2;
+  const double x = 2 * (distance - low) / (high - low) - 1;
   // Clenshaw's recurrence.
-  const double* c = &coefficients_[static_cast<std::size_t>(terms_ * panel)];
+  const double* c = &half.coefficients[static_cast<std::size_t>(terms_ * panel)];
   double b1 = 0, b2 = 0;
   for (int n = terms_ - 1; n > 0; --n) {
     const double b = 2 * x * b1 - b2 + c[n];
@@ -39,6 +48,10 @@ double CosineTable::operator()(double mu) const {
     b1 = b;
   }
   return x * b1 - b2 + c[0];
+}
+
+double CosineTable::operator()(double mu) const {
+  return mu < 0.5 ? at(lower_, mu) : at(upper_, 1 - mu);
 }
 
 }  // namespace lamella

@@ -20,8 +20,10 @@ constexpr double kAlbedoTolerance = 1e-7;  // of the nested rules; the error is 
 // An index nearer to 1 has no facets that could be resolved.
 constexpr double kLeastStep = 0.9e-4;
 
-// Losses go like mu log mu near 0.
-constexpr double kFinestLoss = 1e-6;
+// Of tables: losses go like mu log mu near 0, those of dielectrics like (1 - mu) log(1 - mu)
+// near 1.
+constexpr int kTerms = 9;
+constexpr double kNear0 = 1e-6, kNear1 = 0.05, kNear1Dielectric = 1e-4;
 
 // Below this mean loss nothing is made up for: rounding.
 constexpr double kLeastLoss = 1e-11;
@@ -54,7 +56,7 @@ class FacetLoss {
               return loss_of(facets, masking, ratio,
                              direction_from_mu_phi(std::fmax(mu, kGrazingLimit), 0));
             },
-            kFinestLoss, 10) {}
+            kTerms, kNear0, ratio > 0 ? kNear1Dielectric : kNear1) {}
   [[nodiscard]] double operator()(double mu) const { return nonnegative(table_(std::abs(mu))); }
   [[nodiscard]] double mean() const { return table_.mean(); }
 

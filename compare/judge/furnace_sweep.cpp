@@ -14,15 +14,20 @@ constexpr int kSteps = 5;
 constexpr double kWidestRange = 100;
 
 bool is_white(const ParameterInfo& p) {
-  for (const char* name : {"albedo", "f0", "bulk_albedo", "base.albedo", "base_color"})
+  for (const char* name :
+       {"albedo", "f0", "bulk_albedo", "base.albedo", "base_color", "specular_color", "color"})
     if (p.name == name) return true;
   return false;
 }
 
 std::vector<ParameterValue> values_of(const ParameterInfo& p) {
   if (is_white(p)) return {Rgb(1)};
+  if (p.name == "base_weight") return {1.0};
+  if (p.name == "material") return {std::string("white"), std::string("dielectric")};
+  // An index is no shape, nor is what stands for another key by default.
+  const bool fixed = p.name.ends_with("ior") || p.name.ends_with("_y");
   const bool shape = p.kind == ParameterKind::number && !p.name.starts_with("bulk_") &&
-                     p.max - p.min <= kWidestRange && p.name != "ior";
+                     p.max - p.min <= kWidestRange && !fixed;
   if (shape) {
     std::vector<ParameterValue> list;
     for (int k = 0; k < kSteps; ++k) {

@@ -72,7 +72,7 @@ TEST(FacetIntegral, TwoRoughnessesTurnWithTheFacets) {
 TEST(CosineTable, HoldsFunctionsThatChangeNearGrazing) {
   for (const double scale : {1.0, 0.01, 1e-4}) {
     const auto f = [scale](double mu) { return 1 / std::sqrt(mu * mu + scale * scale); };
-    const CosineTable table(f, scale / 4, 13);
+    const CosineTable table(f, 13, scale / 4, 0.5);
     for (double mu = 1; mu > 1e-9; mu *= 0.83) EXPECT_NEAR(table(mu) / f(mu), 1, 1e-8) << mu;
     EXPECT_NEAR(table(0) / f(0), 1, 1e-8);
     EXPECT_NEAR(table.mean() / (2 * (std::sqrt(1 + scale * scale) - scale)), 1, 1e-8);
