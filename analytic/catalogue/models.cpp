@@ -1,5 +1,9 @@
 #include <algorithm>
 
+#include "analytic/coated/coated_model.h"
+#include "analytic/coated/openpbr_diffuse.h"
+#include "analytic/facets/microfacet_model.h"
+#include "analytic/facets/sheen_conty_kulla.h"
 #include "analytic/half_space/chandrasekhar.h"
 #include "analytic/half_space/lambert_sphere_models.h"
 #include "analytic/half_space/lambert_sphere_three_term.h"
@@ -36,12 +40,16 @@ const std::vector<ModelInfo>& models() {
         eon_model(),
         eon_approx_model(),
         beckmann_diffuse_model(),
+        microfacet_model(),
+        sheen_conty_kulla_model(),
+        openpbr_diffuse_model(),
         single_scattering_model(),
         spongecake_model(),
     };
     // clang-format on
-    // Any of them may lie below micrograins.
+    // Any of them may lie below micrograins, and those too below a coat.
     all.insert(all.end() - 2, micrograin_model(all));
+    all.insert(all.end() - 2, coated_model(all));
     return all;
   }();
   return list;

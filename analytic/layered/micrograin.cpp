@@ -481,7 +481,8 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
                  }}},
       .selector = "bulk",
       .selected =
-          [bulks](const std::string& name) { return bulk_parameters(bulk_named(*bulks, name)); }};
+          [bulks](const std::string& name) { return bulk_parameters(bulk_named(*bulks, name)); },
+      .selected_prefix = kBulkKey};
 }
 
 }  // namespace lamella

@@ -93,7 +93,7 @@ CommandAnswer model_furnace(const Options& options, const Stack& given, bool of_
           request.name, kDefaultStack, request.name));
     request = without_stack_key(std::move(request), given);
     if (!options.as_is && info)
-      for (const char* key : {"albedo", "rho", "f0"})
+      for (const char* key : {"albedo", "rho", "f0", "base.albedo", "base_color"})
         if (find(info->parameters, key)) {
           std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
           request.values.emplace_back(key, "1");

@@ -156,8 +156,8 @@ int models_command(const Options& options, const std::string& name) {
         fmt::print(out, "{}", list_entry("stack", "a stack file or a built-in stack"));
       print_parameters(out, info.parameters);
       if (!info.selector.empty())
-        fmt::print(out, "    {0}_...   the keys of what {0} names, as they stand there\n",
-                   info.selector);
+        fmt::print(out, "    {}...   the keys of what {} names, as they stand there\n",
+                   info.selected_prefix, info.selector);
       for (const LobeInfo& lobe : info.lobes)
         fmt::print(
             out, "{}",

@@ -16,13 +16,20 @@ constexpr int kSteps = 5;
 constexpr double kWidestRange = 100;
 
 bool is_white(const ParameterInfo& p) {
-  return p.name == "albedo" || p.name == "f0" || p.name == "bulk_albedo";
+  for (const char* name :
+       {"albedo", "f0", "bulk_albedo", "base.albedo", "base_color", "specular_color", "color"})
+    if (p.name == name) return true;
+  return false;
 }
 
 std::vector<ParameterValue> values_of(const ParameterInfo& p) {
   if (is_white(p)) return {Rgb(1)};
+  if (p.name == "base_weight") return {1.0};
+  if (p.name == "material") return {std::string("white"), std::string("dielectric")};
+  // An index is no shape, nor is what stands for another key by default.
+  const bool fixed = p.name.ends_with("ior") || p.name.ends_with("_y");
   const bool shape = p.kind == ParameterKind::number && !p.name.starts_with("bulk_") &&
-                     p.max - p.min <= kWidestRange && p.name != "ior";
+                     p.max - p.min <= kWidestRange && !fixed;
   if (shape) {
     std::vector<ParameterValue> list;
     for (int k = 0; k < kSteps; ++k) {
@@ -72,7 +79,7 @@ FurnaceSweep sweep_furnace(const ModelInfo& info) {
     for (const double mu : kCosines) {
       const Direction wi = with_grazing_limit(direction_from_mu_phi(mu, 0));
       const AlbedoEstimate albedo = model->albedo_with_error(wi);
-      const double energy = albedo.value.g + model->uncollided(wi);
+      const double energy = albedo.value.g + model->specular(wi).g + model->uncollided(wi);
       if (!std::isfinite(energy))
         throw std::domain_error(
             fmt::format("{}: the energy at mu = {} is not finite with {}", info.name, mu, text));

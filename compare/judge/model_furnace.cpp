@@ -15,7 +15,7 @@ constexpr double kNoiseLevel = 1e-3;
 ModelFurnace judge_model_furnace(const Model& model, Direction wi, bool as_is, double tolerance) {
   const Direction w = with_grazing_limit(wi);
   const AlbedoEstimate scattered = model.albedo_with_error(w);
-  ModelFurnace furnace{.energy = scattered.value + Rgb(model.uncollided(w)),
+  ModelFurnace furnace{.energy = scattered.value + model.specular(w) + Rgb(model.uncollided(w)),
                        .error = scattered.error,
                        .end = scattered.end};
   const bool estimated = dynamic_cast<const StochasticModel*>(&model) != nullptr;

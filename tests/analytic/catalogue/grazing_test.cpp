@@ -114,11 +114,26 @@ std::optional<Rgb> limit(const Model& model, double phi) {
 }
 
 TEST(Grazing, BothCosinesAtZeroHaveNoLimitInMostModels) {
-  for (const char* name :
-       {"chandrasekhar", "lambert_sphere", "lambert_sphere_fast", "lambert_sphere_three_term",
-        "lambert_sphere_three_term_pure", "hapke_lambert_sphere", "vmf_diffuse",
-        "vmf_diffuse_printed", "oren_nayar_full", "oren_nayar", "oren_nayar_footnote",
-        "fujii_qualitative", "fon", "eon", "eon_approx", "beckmann_diffuse"})
+  for (const char* name : {"chandrasekhar",
+                           "lambert_sphere",
+                           "lambert_sphere_fast",
+                           "lambert_sphere_three_term",
+                           "lambert_sphere_three_term_pure",
+                           "hapke_lambert_sphere",
+                           "vmf_diffuse",
+                           "vmf_diffuse_printed",
+                           "oren_nayar_full",
+                           "oren_nayar",
+                           "oren_nayar_footnote",
+                           "fujii_qualitative",
+                           "fon",
+                           "eon",
+                           "eon_approx",
+                           "beckmann_diffuse",
+                           "microfacet",
+                           "sheen_conty_kulla",
+                           "coated",
+                           "openpbr_diffuse"})
     EXPECT_FALSE(limit(*make_model(name, {}), 0)) << name;
   EXPECT_FALSE(limit(*make_model("micrograin", {{"surface", std::string("conductor")}}), 0));
   // No grains: the surface below.

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "analytic/model/model.h"
+
+namespace lamella {
+
+/// The glossy-diffuse slab of the OpenPBR Surface specification, a dielectric over EON:
+///   f = specular_color f_diel + (1 - E(mu_o)) f_EON   (layering = albedo_scaling),
+/// or with (1 - E(mu_i)) (1 - E(mu_o)) / (1 - <E>), the specification's reciprocal alternative.
+/// EON's albedo is base_weight base_color. f_diel: GGX in single scattering, alpha =
+/// specular_roughness^2, of index (1 + e) / (1 - e), e = sqrt(specular_weight) (ior - 1) / (ior +
+/// 1), so that specular_weight scales the reflectance at normal incidence (kept below 1). E is that
+/// of the untinted reflection. Left open there and settled here: f_diel has no multiple scattering
+/// (what it loses is missing from E, so that the base has it).
+/// Lobes `coat` and `base`. The specification's rho_ms of EON has a second 1 / pi, which is left
+/// out: with it white EON loses energy.
+[[nodiscard]] ModelInfo openpbr_diffuse_model();
+
+}  // namespace lamella
