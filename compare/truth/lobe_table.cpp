@@ -252,11 +252,14 @@ void check_preview(const std::string& what, const Stack& stack) {
   const char* found = !stack.is_symmetric_about_z() ? "a stack with a preferred azimuth"
                       : stack.grains()              ? "explicit geometry"
                       : stack.has_grid()            ? "a density grid"
+                      : stack.has_interfaces()      ? "interfaces"
+                      : stack.has_boundaries()      ? "a substrate beyond Lambert's law"
                                                     : nullptr;
   if (found)
-    throw UsageError(
-        fmt::format("{} {}: found {}; allowed: homogeneous layers that are symmetric about z", what,
-                    stack.name, found));
+    throw UsageError(fmt::format(
+        "{} {}: found {}; allowed: homogeneous layers of one index, symmetric about z, over "
+        "Lambert's substrate or none",
+        what, stack.name, found));
 }
 
 }  // namespace lamella

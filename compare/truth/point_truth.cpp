@@ -43,6 +43,7 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
   std::map<std::tuple<double, double, double>, std::vector<Point>> by_incident;
   std::vector<TruthValue> values(pairs.size());
   const bool reciprocal = stack.is_reciprocal();
+  const double below = stack.index_of(stack.layers.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     refuse_double_grazing(pairs[k]);
     Direction wi = with_grazing_limit(pairs[k].wi), wo = with_grazing_limit(pairs[k].wo);
@@ -56,6 +57,9 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
       // f_T(from above) = f_T(from below, reversed) exp(-S)
       if ((wi.z > 0) != (wo.z > 0))
         factor = std::exp(wi.z > 0 ? -stack.one_sidedness() : stack.one_sidedness());
+      // Radiance carries the square of the index.
+      const double there = wo.z > 0 ? 1 : below, here = wi.z > 0 ? 1 : below;
+      factor *= there * there / (here * here);
       std::swap(wi, wo);
     }
     by_incident[key(wi)].push_back({k, wo, factor});
@@ -85,7 +89,7 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
         const int channel = std::min(c, plan.channels - 1);
         const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
           double sum = 0;
-          for (int o = 0; o < kTallyOrders; ++o)
+          for (int o = 0; o < plan.order_slots(); ++o)
             sum += b.f[(static_cast<std::size_t>(o) * plan.channels + channel) * count + j];
           return sum;
         });

@@ -73,10 +73,12 @@ bool Stack::is_symmetric_about_z() const {
 }
 
 bool Stack::is_reciprocal() const {
-  return std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
-    const Direction n = traits(l.medium).mean_normal.value;
-    return n.x == 0 && n.y == 0 && (n.z == 0 || !l.grid);
-  });
+  return std::all_of(layers.begin(), layers.end(),
+                     [](const Layer& l) {
+                       const Direction n = traits(l.medium).mean_normal.value;
+                       return n.x == 0 && n.y == 0 && (n.z == 0 || !l.grid);
+                     }) &&
+         (!substrate || substrate->model.empty() || substrate->model == kConductor);
 }
 
 double Stack::one_sidedness() const {

@@ -98,8 +98,9 @@ struct Stack {
   [[nodiscard]] bool is_grey() const;
   /// Whether every rotation about z leaves the stack as it is; no stack with a grid is taken so.
   [[nodiscard]] bool is_symmetric_about_z() const;
-  /// Whether global reciprocity holds: every one-sided layer has a vertical mean normal and no grid
-  /// (along two paths between the same points the density differs).
+  /// Whether global reciprocity is known to hold: every one-sided layer has a vertical mean normal
+  /// and no grid (along two paths between the same points the density differs), and no closed form,
+  /// which may break it, is the substrate. Across interfaces it is that of f / n^2.
   [[nodiscard]] bool is_reciprocal() const;
   /// Sum over layers of depth times the z part of the mean normal: transmission from above is
   /// exp(-this) times transmission from below along the reversed pair.
