@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+
 #include "compare/command/command.h"
 #include "compare/judge/accuracy_table.h"
 #include "compare/options/progress.h"
@@ -16,7 +19,11 @@ using Json = nlohmann::ordered_json;
 // Errors of a millionth stand beside others of a hundred per cent: three significant digits.
 std::string three_digits(double share) {
   const double percent = 100 * share;
-  return percent < 99.95 ? fmt::format("{:#.3g} %", percent) : percent_text(share);
+  if (!(percent < 99.95)) return percent_text(share);
+  // Three significant digits, in plain numbers.
+  const std::string rounded = fmt::format("{:.2e}", percent);
+  const int exponent = percent > 0 ? std::stoi(rounded.substr(rounded.find('e') + 1)) : 0;
+  return fmt::format("{:.{}f} %", percent, std::max(0, 2 - exponent));
 }
 
 // One per incident direction; dashes where nothing comes through.

@@ -78,7 +78,7 @@ HalfVectorGrid::Slice HalfVectorGrid::towards(Direction wo) const {
 
 Rgb HalfVectorGrid::Slice::operator()(Direction wi) const {
   const Direction h = wi + wo_;
-  const double in_plane = std::hypot(h.x, h.y);
+  const double in_plane = std::sqrt(h.x * h.x + h.y * h.y);
   // Where w_o is the normal every azimuth is the same; where h is, beta has no meaning.
   const double cos_beta =
       in_plane > 0 && across_ > 0

@@ -106,5 +106,22 @@ TEST(GroundTruth, PrintsNothingItself) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+// White in two channels: long walks are thinned, and next to nothing of them is cut.
+TEST(GroundTruth, LeavesLittleUnresolvedOfAHalfSpaceThatIsWhiteInSomeChannels) {
+  TruthRequest request = slab_request();
+  request.stack = parse_stack(
+      "[[layer]]\nmedium = \"vmf_flake\"\nroughness = 1\nalbedo = [0.504, 1, 1]\nthickness = "
+      "inf\n",
+      "test", "coloured");
+  request.estimator = Estimator::analog;
+  request.isa = isa_from_text("auto");
+  request.effort.walks = 200000;
+  GroundTruth truth(request, Estimator::analog);
+  EXPECT_TRUE(truth.plan().thinning.is_on());
+  const RunResult run = truth.find(0).run;
+  for (int c = 0; c < 3; ++c)
+    EXPECT_LT(run.unresolved[c].value + 3 * run.unresolved[c].standard_error, 0.015) << c;
+}
+
 }  // namespace
 }  // namespace lamella
