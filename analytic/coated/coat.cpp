@@ -9,7 +9,7 @@ namespace lamella {
 namespace {
 
 // Of the rules' differences: the errors are smaller by 100 and more.
-constexpr double kReflectedTolerance = 1e-7, kTransmittedTolerance = 1e-6, kMeanTolerance = 1e-6;
+constexpr double kReflectedTolerance = 1e-8, kTransmittedTolerance = 1e-6, kMeanTolerance = 1e-6;
 
 // Of tables: albedos go like mu log mu near 0, and like mu^b with the masking's Beta function; near
 // 1 refracted light goes like (1 - mu) log(1 - mu).

@@ -81,10 +81,19 @@ template <class Value, class G>
     };
     return integrate_adaptively<Value>(facet, edges, tolerance / 4, area * least + 1e-300);
   };
-  const double quarters[] = {0, kPi / 2, kPi, 1.5 * kPi, 2 * kPi};
-  const std::span<const double> round(quarters);
-  const Value sum = integrate_adaptively<Value>(ring, turns ? round.first(3) : round, tolerance,
-                                                area * least + 1e-300);
+  // From the azimuth along which facets face w; across it, at pi / 2, what they show changes within
+  // an angle of the order of mu.
+  const double facing = std::atan2(w.y * ay, w.x * ax);
+  const double across = std::fmin(0.5, 4 * mu / (1e-3 + std::hypot(w.x, w.y)));
+  std::array<double, 9> edges{};
+  for (const int half : {0, 1})
+    for (const int k : {0, 1, 2, 3})
+      edges[4 * half + k] = half * kPi + (k > 0 ? kPi / 2 + (k - 2) * across : 0);
+  edges[8] = 2 * kPi;
+  const std::span<const double> round(edges);
+  const Value sum =
+      integrate_adaptively<Value>([&](double phi) { return ring(facing + phi); },
+                                  turns ? round.first(5) : round, tolerance, area * least + 1e-300);
   return ((turns ? 1 : 0.5) / (kPi * area)) * sum;
 }
 
