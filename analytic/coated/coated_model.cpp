@@ -247,7 +247,7 @@ ModelInfo coated_model(const std::vector<ModelInfo>& models) {
            color_parameter(kBaseKey + "albedo", "of the base, where it has one", "1"),
            choice_parameter("base", "closed form below the coat", names)},
       .lobes = {{"coat", "reflection from the coat's facets", Order::zero},
-                {"base", "light that reached the base", Order::all}},
+                {"base", "light that reached the base", Order::scattered}},
       .reciprocal = false,
       .make = [bases](const Parameters& p, const Stack*) { return make(*bases, p); },
       .applies_to = {},

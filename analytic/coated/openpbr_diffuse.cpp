@@ -52,7 +52,7 @@ ModelInfo openpbr_diffuse_model() {
                      choice_parameter("layering", "factor of the base's lobe",
                                       {"albedo_scaling", "albedo_scaling_reciprocal"})},
       .lobes = {{"coat", "the dielectric's reflection", Order::zero},
-                {"base", "light that reached the diffuse base", Order::all}},
+                {"base", "light that reached the diffuse base", Order::scattered}},
       .reciprocal = false,
       .make = [](const Parameters& p, const Stack*) { return make_slab(p); },
       .applies_to = {}};

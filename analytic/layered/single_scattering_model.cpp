@@ -83,12 +83,14 @@ ModelInfo single_scattering_model() {
           .make =
               [](const Parameters&, const Stack* stack) {
                 refuse_grid(*stack, "single_scattering");
+                refuse_boundaries(*stack, "single_scattering");
                 return std::make_unique<SingleScatteringModel>(*stack);
               },
           .applies_to =
               [](const Stack& stack) {
-                return stack.has_grid() || stack.grains() ? std::nullopt
-                                                          : std::optional(Parameters());
+                return stack.has_grid() || stack.grains() || stack.has_boundaries()
+                           ? std::nullopt
+                           : std::optional(Parameters());
               }};
 }
 

@@ -91,7 +91,7 @@ std::vector<ParameterInfo> lobe_parameters() {
 }  // namespace
 
 bool is_spongecake_stack(const Stack& stack) {
-  if (stack.grains()) return false;
+  if (stack.grains() || stack.has_boundaries()) return false;
   return std::all_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
     if (layer.grid) return false;
     return std::holds_alternative<MirrorFlakes<Sggx>>(layer.medium) ||

@@ -9,7 +9,7 @@
 namespace lamella {
 
 std::string to_text(Order order) {
-  static const std::string names[] = {"1", "2", "3", "4+", "all", "0"};
+  static const std::string names[] = {"1", "2", "3", "4+", "all", "0", "1+"};
   return names[static_cast<int>(order)];
 }
 
@@ -71,7 +71,5 @@ AlbedoEstimate Model::albedo_with_error(Direction wi) const {
 }
 
 double Model::uncollided(Direction /*wi*/) const { return 0; }
-
-Rgb Model::specular(Direction /*wi*/) const { return {}; }
 
 }  // namespace lamella

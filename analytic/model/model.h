@@ -13,12 +13,13 @@
 
 namespace lamella {
 
-/// The scattering orders that lobes are tallied by: 1, 2, 3, and all from 4 on. Order 0 is light
-/// that met interfaces alone; it stands last because the others count tallies.
-enum class Order { one, two, three, four_plus, all, zero };
-inline constexpr int kOrders = 4;
+/// The scattering orders that lobes are tallied by: 1, 2, 3, all from 4 on; then the sum of all;
+/// and where rough interfaces are, 0: light that met interfaces alone (a coat's own lobe), and all
+/// but that.
+enum class Order { one, two, three, four_plus, all, zero, scattered };
+inline constexpr int kOrders = 4, kLobeOrders = 7;
 
-/// "1", "2", "3", "4+", "all", "0"
+/// "1", "2", "3", "4+", "all", "0", "1+"
 [[nodiscard]] std::string to_text(Order order);
 
 /// A named part of a closed form. `order` is the scattering order it stands for; Order::all if it
@@ -86,9 +87,6 @@ class Model {
   /// The share of light from w_i that passes without scattering (a delta, no part of eval).
   [[nodiscard]] virtual double uncollided(Direction wi) const;
 
-  /// The share of light from w_i that a smooth interface reflects (a delta, no part of eval).
-  [[nodiscard]] virtual Rgb specular(Direction wi) const;
-
  protected:
   explicit Model(int lobes) : lobes_(lobes) {}
 
@@ -125,7 +123,6 @@ struct ModelInfo {
   /// the name of that parameter, and the further ones for one of its choices.
   std::string selector = {};
   std::function<std::vector<ParameterInfo>(const std::string& choice)> selected = {};
-  std::string selected_prefix = {};  ///< what their names begin with
 };
 
 /// The parameters there are: info.parameters, and those that `choice` of the selector adds, if the

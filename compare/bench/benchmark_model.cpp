@@ -23,6 +23,7 @@ std::optional<ParameterValue> middle_of(const ParameterInfo& info) {
   const double middle = (low + high) / 2;
   switch (info.kind) {
     case ParameterKind::number:
+    case ParameterKind::one_or_two:
       return middle;
     case ParameterKind::color:
       return Rgb(middle);

@@ -14,6 +14,7 @@
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
 #include "compare/report/report_page.h"
+#include "compare/report/wrapped_text.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/run_monitor.h"
@@ -78,7 +79,7 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
     const std::vector<PreviewResult> views = preview_views(lobes, models, distinct_names(models),
                                                            lighting, options.size, &user_interrupt);
     write_preview_files(folder + "/preview_", views, lobes, named_for_image(request, folder).stack,
-                        lighting, formats);
+                        lighting, formats, inputs);
     answer["previews"] = to_json(views);
     if (!formats.empty()) details["previews"] = preview_page_details(views, lobes, lighting);
     summary += fmt::format("\npreview: truth by {}\n{}", lobes.source(), preview_table(views));
@@ -93,11 +94,15 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
     if (models.empty()) fmt::print(out, "no closed form applies to this stack (see --model)\n");
     if (user_interrupt) fmt::print(out, "interrupted: what was done until then\n");
     fmt::print(
-        out,
-        "\nwrote {}/: report.html to look at, truth.exr, an EXR per model, report.json, "
-        "summary.txt{}{}\n{}",
-        folder, options.preview ? ", previews (preview_*)" : "",
-        formats.empty() ? "" : fmt::format(" and {} error maps ({})", drawn, endings_text(formats)),
+        out, "\n{}{}",
+        wrapped(fmt::format("wrote {}/: ", folder),
+                fmt::format("report.html to look at, truth.exr, an EXR per model, report.json, "
+                            "summary.txt{}{}",
+                            options.preview ? ", previews (preview_*)" : "",
+                            formats.empty() ? ""
+                                            : fmt::format(" and {} error maps ({})", drawn,
+                                                          endings_text(formats))),
+                2),
         absent_pictures_text());
   }
   write_json(answer, options.json);

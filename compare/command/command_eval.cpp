@@ -12,12 +12,15 @@
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
 #include "compare/fit/fitted_models.h"
+#include "compare/judge/missing_light.h"
 #include "compare/options/progress.h"
 #include "compare/request/direction_pairs.h"
 #include "compare/request/errors.h"
+#include "compare/request/first_look.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/numbers.h"
+#include "compare/request/percent.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
@@ -30,6 +33,8 @@ namespace lamella {
 namespace {
 
 const std::string kStdin = "<stdin>";
+// Share of the light that cut walks may hold without a word.
+constexpr double kToldCutEnergy = 1e-3;
 
 // The rows of the answer: f per pair, and its standard error where the model is stochastic.
 struct CsvAnswer {
@@ -59,6 +64,9 @@ std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
                                 const DirectionPairs& pairs) {
   const auto name = take(values, "stack");
   if (!name) return std::nullopt;
+  if (name->empty())
+    throw UsageError(fmt::format(
+        "{}: key \"stack\": found \"\"; allowed: a stack file, - or a built-in stack", what));
   if (*name == "-" && pairs.file == kStdin)
     throw UsageError(fmt::format(
         "{}: key \"stack\": found - beside --pairs -; allowed: only one of them from stdin", what));
@@ -114,6 +122,42 @@ CsvAnswer eval_medium(const std::string& what, const KeyValues& given,
     throw UsageError(fmt::format("{}: {}", what, error.what()));
   }
   return answer;
+}
+
+// Energy per channel that cut walks may have taken from what left, 3 standard errors included.
+Rgb cut_energy(const TruthValue& v) {
+  Rgb energy;
+  for (int c = 0; c < 3; ++c)
+    if (v.unresolved[c].value > 0)
+      energy[c] = v.unresolved[c].value + kUnresolvedErrors * v.unresolved[c].standard_error;
+  return energy;
+}
+
+// The standard error, and f of what cut walks held, were it spread like Lambert's over one side.
+Rgb error_of(const TruthValue& v) { return v.standard_error + 1 / kPi * cut_energy(v); }
+
+// Where the clock of a first look ended walks: how many there were.
+void warn_of_few_walks(const std::vector<TruthValue>& truth, const TruthRequest& request,
+                       const RunMonitor& monitor) {
+  std::uint64_t fewest = request.effort.walks;
+  for (const TruthValue& v : truth)
+    if (v.walks > 0) fewest = std::min(fewest, v.walks);
+  if (fewest < request.effort.walks)
+    monitor.warn(
+        fmt::format("truth: {} of {} walks in {:g} s where they were fewest; walks=N for "
+                    "more, see se",
+                    fewest, request.effort.walks, kFirstLookSeconds));
+}
+
+void warn_of_cut_walks(const std::vector<TruthValue>& truth, const Plan& plan,
+                       const RunMonitor& monitor) {
+  double most = 0;
+  for (const TruthValue& v : truth) most = std::max(most, cut_energy(v).max());
+  if (most > kToldCutEnergy)
+    monitor.warn(
+        fmt::format("truth: walks that were cut after {} events hold {} of the light; se "
+                    "has it spread over one side, a peak could lack more (--max-order)",
+                    plan.max_order, percent_text(most)));
 }
 
 // Says where the solver's bound of a value is above the tolerance, which is relative to the mean
@@ -208,12 +252,15 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   } else {
     const Plan plan = plan_of(request);
     for (const std::string& warning : plan.warnings) monitor.warn(warning);
-    truth =
-        truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed, &user_interrupt);
+    const FirstLook look(request, 1);
+    truth = truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed, &user_interrupt,
+                     look.has_clock() ? std::optional(kFirstLookSeconds) : std::nullopt);
+    if (!user_interrupt) warn_of_few_walks(truth, request, monitor);
+    warn_of_cut_walks(truth, plan, monitor);
   }
   for (const TruthValue& v : truth) {
     answer.f.push_back(v.f);
-    answer.standard_error.push_back(v.standard_error);
+    answer.standard_error.push_back(error_of(v));
   }
   if (user_interrupt)
     fmt::print(stderr, "lamella: interrupted: {} than asked for, see se\n",

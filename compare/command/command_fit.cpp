@@ -82,6 +82,7 @@ int fit_stack(const Options& options) {
     by = fmt::format("{} analog walks per direction, {}", found.walks,
                      found.is_sharp   ? "whose noise is small beside what the lobes leave over"
                      : user_interrupt ? "when it was interrupted"
+                     : found.is_late  ? "the most in 20 s (--walks for more)"
                                       : "the most that are tried (--walks for more)");
     runs = std::move(found.runs);
     fit = std::move(found.fit);
@@ -103,8 +104,16 @@ int fit_stack(const Options& options) {
       fmt::print(out, "  {:>7g} {:>9} {:>13.5f} {:>13.5f} {:>10} {:>9}\n", theta_degrees(r.wi),
                  r.reflected ? "reflect" : "transmit", r.energy_truth, r.energy_model,
                  percent_cell(r.relative_rmse), percent_cell(r.noise));
-    fmt::print(out, "  all: {} of the root mean square, {} of it noise\n\n--model {}\n",
-               percent_cell(fit.relative_rmse), percent_cell(fit.noise), fit.request);
+    fmt::print(out, "  all: {} of the root mean square, {} of it noise\n",
+               percent_cell(fit.relative_rmse), percent_cell(fit.noise));
+    double missing = 0;
+    for (const SpongecakeResidue& r : fit.residues) missing = std::max(missing, r.energy_missing);
+    if (missing > 0)
+      fmt::print(out,
+                 "  walks were cut after {} events: the truth's energies are too low by {:.1e} at "
+                 "most, which counts\n  as noise (--max-order)\n",
+                 runs.front().max_order, missing);
+    fmt::print(out, "\n--model {}\n", fit.request);
   }
   Json answer = json_header("fit", request);
   answer["walks"] = runs.front().walks;
@@ -118,6 +127,7 @@ int fit_stack(const Options& options) {
                                   {"side", r.reflected ? "reflect" : "transmit"},
                                   {"energy_truth", r.energy_truth},
                                   {"energy_model", r.energy_model},
+                                  {"energy_missing", r.energy_missing},
                                   {"relative_rmse", r.relative_rmse},
                                   {"noise", r.noise}});
   if (!options.output.empty()) write_file(options.output, fit.request + "\n");

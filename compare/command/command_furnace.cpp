@@ -64,8 +64,11 @@ std::string worse(const std::string& a, const std::string& b) {
 // `truth` is as the furnace has it. `out`: where the table goes, if anywhere.
 CommandAnswer model_furnace(const Options& options, const Stack& given, bool of_stack_given,
                             const TruthRequest& truth, std::FILE* out) {
+  const InputFiles inputs(of_stack_given ? given : Stack{}, objects_among(model_requests(options)));
   const Stack& stack = truth.stack;
-  Json answer = json_header("furnace", truth);
+  // Without a stack that was asked for there is none to name.
+  std::optional<Stack> named;
+  if (of_stack_given) named = stack;
   Json list = Json::array();
   std::string overall = "pass";
   const double tolerance = options.max_error.value_or(kModelTolerance);
@@ -80,6 +83,7 @@ CommandAnswer model_furnace(const Options& options, const Stack& given, bool of_
       if (of_stack) {
         own = with_surface_model(load_stack(key->second));
         if (!options.as_is) own = with_surface_model(whitened(own));
+        named = own;
         std::erase_if(request.values, [](const auto& v) { return v.first == "stack"; });
       }
     }
@@ -128,9 +132,15 @@ CommandAnswer model_furnace(const Options& options, const Stack& given, bool of_
                     {"parameter_sources", bound.sources},
                     {"runs", std::move(runs)}});
   }
+  TruthRequest header = truth;
+  if (named) header.stack = *named;
+  Json answer =
+      named ? json_header("furnace", header) : json_header("furnace", truth.seed, truth.isa);
   answer["verdict"] = overall;
   answer["tolerance"] = tolerance;
   answer["models"] = std::move(list);
+  inputs.check();
+  add_files(answer, inputs);
   answer["runs"] = answer["models"][0]["runs"];
   answer["criterion"] = fmt::format(
       "pass: {} (--max-error); fail: it is off by more, a loss or a gain; inconclusive: the error "
@@ -152,6 +162,7 @@ bool needs_stack(const Options& options) {
 
 CommandAnswer stack_furnace(const Options& options, TruthRequest request, const RunMonitor& monitor,
                             std::FILE* out) {
+  const InputFiles inputs(request.stack);
   request.cells = kFurnaceGrid;
   const Stack& stack = request.stack;
   GroundTruth truth(request, Estimator::next_event, monitor);
@@ -219,6 +230,8 @@ CommandAnswer stack_furnace(const Options& options, TruthRequest request, const 
   answer["criterion"] = criterion_of(bounded, options.as_is, level);
   answer["interrupted"] = truth.is_stopped();
   answer["runs"] = std::move(runs);
+  inputs.check();
+  add_files(answer, inputs);
   if (out) {
     if (truth.estimator() != Estimator::deterministic && plan.thinning.is_on())
       fmt::print(

@@ -28,8 +28,8 @@ int furnace_sweep_command(const Options& options) {
   std::FILE* out = table_stream(options);
   if (!options.quiet)
     fmt::print(out,
-               "| model | configurations | least energy | at | most energy | at |\n"
-               "| --- | --- | --- | --- | --- | --- |\n");
+               "| model | configurations | least energy | at | most energy | at | error |\n"
+               "| --- | --- | --- | --- | --- | --- | --- |\n");
   nlohmann::ordered_json answer = json_header("furnace", options.seed, isa_of(options));
   answer["theta_i"] = furnace_sweep_angles();
   answer["sweep"] = nlohmann::ordered_json::array();
@@ -40,9 +40,9 @@ int furnace_sweep_command(const Options& options) {
                          e.parameters);
     };
     if (!options.quiet) {
-      fmt::print(out, "| `{}` | {} | {:.4f} | {} | {:.4f} | {} |\n", info->name,
+      fmt::print(out, "| `{}` | {} | {:.4f} | {} | {:.4f} | {} | {:.0e} |\n", info->name,
                  sweep.configurations, sweep.least.energy, where(sweep.least), sweep.most.energy,
-                 where(sweep.most));
+                 where(sweep.most), sweep.worst_error);
       std::fflush(out);
     }
     const auto extreme = [](const SweepExtreme& e) {
@@ -56,6 +56,7 @@ int furnace_sweep_command(const Options& options) {
                                {"configurations", sweep.configurations},
                                {"axes", std::move(axes)},
                                {"energies", sweep.energies},
+                               {"worst_error", sweep.worst_error},
                                {"least", extreme(sweep.least)},
                                {"most", extreme(sweep.most)}});
   }

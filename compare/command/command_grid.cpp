@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/report/wrapped_text.h"
 #include "compare/request/errors.h"
 #include "compare/request/percent.h"
 #include "phase/stack/stack_file.h"
+#include "phase/stack/stack_paths.h"
 #include "volume/voxels/density_grid.h"
 #include "volume/voxels/depth_profile.h"
 #include "volume/voxels/grid_generators.h"
@@ -62,7 +65,7 @@ const GridGenerator& generator_of(const std::string& kind) {
   for (const GridGenerator& g : grid_generators()) names.push_back(g.name);
   names.push_back(sphere_check().name);
   const std::string hint = suggestion(kind, names);
-  throw UsageError(fmt::format("grid \"{}\": unknown{}; allowed: {}", kind,
+  throw UsageError(fmt::format("grid: found \"{}\"{}; allowed: {}", kind,
                                hint.empty() ? "" : ", " + hint, listed(names)));
 }
 
@@ -100,11 +103,13 @@ int list_kinds(const Options& options) {
   kinds.push_back(sphere_check());
   for (const GridGenerator& g : kinds) {
     Json parameters = Json::array();
-    if (!options.quiet) fmt::print(out, "{}: {}\n", g.name, g.doc);
+    if (!options.quiet) fmt::print(out, "{}", wrapped(g.name + ": ", g.doc, 4));
     for (const ParameterInfo& p : g.parameters) {
       if (!options.quiet)
-        fmt::print(out, "    {:<10} [{}] {}; {}; default {}\n", p.name, p.unit, p.doc,
-                   allowed_values(p), p.default_value);
+        fmt::print(out, "{}",
+                   wrapped(fmt::format("    {:<10} ", p.name),
+                           fmt::format("[{}] {}; {}; default {}", p.unit, p.doc, allowed_values(p),
+                                       p.default_value)));
       parameters.push_back({{"name", p.name},
                             {"unit", p.unit},
                             {"doc", p.doc},
@@ -132,10 +137,10 @@ int check_spheres(const Options& options, const Parameters& parameters) {
   if (!options.quiet)
     fmt::print(table_stream(options),
                "{} spheres in {} beds, level sets of OpenVDB {}\n"
-               "volume fraction {:.5f} +- {:.5f}; 1 - exp(-packing) = {:.5f}, {:.5f} through the "
-               "level set's blur\n"
+               "volume fraction {:.5f} +- {:.5f}; 1 - exp(-packing) = {:.5f}, {:.5f} through "
+               "the blur\n"
                "area density    {:.5g} +- {:.2g} 1/mm; 3 packing / radius exp(-packing) = {:.5g}, "
-               "{:.5g} through the blur\n",
+               "{:.5g} through it\n",
                c.spheres, c.realisations, openvdb_version(), c.volume_fraction.value,
                c.volume_fraction.standard_error, c.expected_volume_fraction,
                c.blurred_volume_fraction, c.area_density.value, c.area_density.standard_error,
@@ -179,31 +184,41 @@ int grid_command(const Options& options, const std::vector<std::string>& words) 
   const VoxelIndex n = made.voxels.extent().voxels;
   const Direction voxel{made.size_x / n[0], made.size_y / n[1], made.thickness / n[2]};
   write_vdb(options.output, made.voxels, voxel);
-  // Text that is a stack file: what is said of the grid stands in comments.
-  const std::string layer = fmt::format(
-      "[[layer]]\n{}thickness = {}\ngrid = \"{}\"\nsize = [{}, {}]\n", made.medium,
-      to_text(made.thickness), options.output, to_text(made.size_x), to_text(made.size_y));
+  // Text that is a stack file: what is said of the grid stands in comments. It is written for the
+  // place where it goes: here, or beside the file of --json.
+  const auto layer_in = [&](const std::filesystem::path& folder) {
+    return fmt::format("[[layer]]\n{}thickness = {}\ngrid = {}\nsize = [{}, {}]\n", made.medium,
+                       to_text(made.thickness),
+                       to_text(ParameterValue(relative_to(options.output, folder).string())),
+                       to_text(made.size_x), to_text(made.size_y));
+  };
+  const std::string layer = layer_in("");
   const Stack stack = parse_stack(layer, "<generated>", generator.name);
   const DensityGrid grid(stack.layers[0], std::make_shared<Voxels>(made.voxels));
   const LateralContrast contrast = lateral_contrast(grid);
   if (!options.quiet)
-    fmt::print(table_stream(options),
-               "# {}: {} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm, {} filled, lateral "
-               "contrast {:.3f} between voxels, {:.3f} between columns\n{}",
-               options.output, n[0], n[1], n[2], voxel.x, voxel.y, voxel.z,
-               percent_text(contrast.filled), contrast.voxel, contrast.column, layer);
+    fmt::print(
+        table_stream(options), "{}{}",
+        wrapped("# ", fmt::format("{}: {} x {} x {} voxels of {:.4g} x {:.4g} x {:.4g} mm,",
+                                  options.output, n[0], n[1], n[2], voxel.x, voxel.y, voxel.z)) +
+            fmt::format("# {} filled, lateral contrast {:.3f} between voxels, {:.3f} between "
+                        "columns\n",
+                        percent_text(contrast.filled), contrast.voxel, contrast.column),
+        layer);
   Json answer = json_header("grid", options.seed, isa_of(options));
   answer["kind"] = generator.name;
   Json given = Json::object();
   for (const auto& [key, value] : parameters.all()) given[key] = to_json(value);
   answer["parameters"] = std::move(given);
-  answer["file"] = options.output;
+  const std::filesystem::path place =
+      options.json == "-" ? "" : std::filesystem::path(options.json).parent_path();
+  answer["file"] = relative_to(options.output, place).string();
   answer["voxels"] = {n[0], n[1], n[2]};
   answer["voxel_size"] = {voxel.x, voxel.y, voxel.z};
   answer["filled"] = contrast.filled;
   answer["contrast_voxel"] = contrast.voxel;
   answer["contrast_column"] = contrast.column;
-  answer["layer"] = layer;
+  answer["layer"] = layer_in(place);
   write_json(answer, options.json);
   return kDone;
 }

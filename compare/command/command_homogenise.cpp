@@ -8,6 +8,7 @@
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
+#include "compare/request/first_look.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/numbers.h"
 #include "compare/request/percent.h"
@@ -97,6 +98,7 @@ int homogenise_command(const Options& options) {
   const std::vector<double> factors = factors_of(options);
   if (!options.output.empty()) check_output_file(options.output);
   const TruthRequest request = truth_request(options, stack);
+  const InputFiles inputs(stack);
   const Plan plan = make_plan(stack, request.limits);
   for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
   check_estimator(request);  // the solver does not apply
@@ -113,6 +115,7 @@ int homogenise_command(const Options& options) {
   answer["estimator"] = to_text(estimator);
   answer["homogenised"] = lamella::to_json(profile);
   Json list = Json::array();
+  FirstLook look(request, factors.size() * request.directions.size());
   for (const double factor : factors) {
     const Grids grids = scaled(stack, plan.grids, factor);
     const Plan grid_plan = make_plan(stack, request.limits, grids);
@@ -144,8 +147,11 @@ int homogenise_command(const Options& options) {
     for (const Direction wi : request.directions) {
       const std::string label = fmt::format("theta_i {:g}", theta_degrees(wi));
       Simulation grid(stack, grid_plan, wi, estimator, request.cells, request.seed);
-      const RunResult done = run_walks(grid, request.effort, label, monitor);
+      const StopRule rule = look.next();
+      const RunResult done = run_walks(grid, rule, label, monitor);
       if (user_interrupt) break;
+      if (look.has_clock() && done.walks < rule.walks)
+        monitor.warn(first_look_text(label, done.walks, rule));
       // As many walks, of another seed: a difference of batches is one of independent numbers.
       Simulation homogeneous(layers, layer_plan, wi, estimator, request.cells, request.seed + 1);
       homogeneous.advance(done.walks);
@@ -181,6 +187,8 @@ int homogenise_command(const Options& options) {
   if (!options.quiet && !options.output.empty()) fmt::print(out, "wrote {}\n", options.output);
   answer["interrupted"] = user_interrupt.load();
   answer["comparisons"] = std::move(list);
+  inputs.check();
+  add_files(answer, inputs);
   write_json(answer, options.json);
   return kDone;
 }

@@ -52,30 +52,37 @@ Lighting lighting_of(const Options& options, const ClosedFormOptions& closed, co
   return {{{incident_directions(options, stack ? *stack : Stack{}).front(), 1.0}}};
 }
 
-// The colour that is to be had, a directional albedo, as "albedo" or by its older name "color".
-Rgb take_color(KeyValues& values, const std::string& what) {
-  const ParameterInfo info{
+// The colour that is to be had, and the key that it was given by.
+struct Target {
+  Rgb color;
+  std::string key;
+};
+
+// A directional albedo, as "albedo" or by its older name "color".
+Target take_color(KeyValues& values, const std::string& what) {
+  ParameterInfo info{
       .name = "albedo", .kind = ParameterKind::color, .unit = "1", .doc = "", .min = 0, .max = 1};
-  std::optional<Rgb> color;
+  std::optional<Target> target;
   for (auto it = values.begin(); it != values.end();) {
     if (it->first != "albedo" && it->first != "color") {
       ++it;
       continue;
     }
-    if (color)
+    if (target)
       throw UsageError(fmt::format("{}: key \"{}\": found {} as a second colour; allowed: one",
                                    what, it->first, it->second));
+    info.name = it->first;
     try {
-      color = std::get<Rgb>(parse_value(info, it->second));
+      target = {std::get<Rgb>(parse_value(info, it->second)), it->first};
     } catch (const ParameterError& error) {
       throw UsageError(fmt::format("{}: {}", what, error.what()));
     }
     it = values.erase(it);
   }
-  if (!color)
+  if (!target)
     throw UsageError(
         fmt::format("{}: key \"albedo\": found nothing; allowed: {}", what, allowed_values(info)));
-  return *color;
+  return *target;
 }
 
 std::string text_of(Rgb c) {
@@ -148,6 +155,8 @@ CsvAnswer invert_stack(const Stack& stack, Rgb target, const Options& options,
     request.directions.push_back(direction_from_degrees(theta_degrees(wi), phi_degrees(wi)));
   const RunMonitor monitor = terminal_monitor(options);
   Rgb variance;
+  // Of the first albedo whose walks the clock ended, if any: the others have as many.
+  std::vector<std::optional<std::uint64_t>> walks(lighting.directions.size());
   const auto color = [&](Rgb albedo) {
     for (Layer& layer : request.stack.layers) layer.albedo = albedo;
     // Walks are the same for every albedo: the colour is smooth in it but for what roulette ends.
@@ -155,7 +164,8 @@ CsvAnswer invert_stack(const Stack& stack, Rgb target, const Options& options,
     Rgb sum;
     variance = Rgb();
     for (std::size_t k = 0; k < lighting.directions.size(); ++k) {
-      const RunResult run = truth.find(k).run;
+      const RunResult run = truth.find(k, walks[k]).run;
+      if (!run.is_bounded()) walks[k] = run.walks;
       const double weight = lighting.directions[k].second;
       for (int c = 0; c < 3; ++c) {
         const Estimate e = run.reflected.total[run.channels == 3 ? c : 0];
@@ -178,9 +188,10 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
                    const std::vector<std::string>& words) {
   const std::string& what = words[0];
   KeyValues values = parse_model_words(words).values;
-  const Rgb target = take_color(values, what);
+  const auto [target, color_key] = take_color(values, what);
   const ModelInfo* info =
       what.ends_with(".so") || find_model(what) ? find_or_load_model(what) : nullptr;
+  InputFiles inputs(Stack{}, objects_among({{what, {}}}));
   CsvAnswer answer;
   try {
     if (info) {
@@ -191,10 +202,11 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
       if (!values.empty())
         throw UsageError(
             fmt::format("{}: key \"{}\": unknown; allowed: albedo", what, values[0].first));
+      inputs = InputFiles(stack);
       answer = invert_stack(stack, target, options, closed);
     }
   } catch (const UnreachableColor& error) {
-    throw UsageError(fmt::format("{}: key \"albedo\": {}", what, error.what()));
+    throw UsageError(fmt::format("{}: key \"{}\": {}", what, color_key, error.what()));
   }
   const AlbedoInversion& found = answer.inversion;
   if (!options.quiet) {
@@ -207,7 +219,9 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
                found.evaluations);
   }
   const auto list = [](Rgb c) { return Json{c.r, c.g, c.b}; };
+  inputs.check();
   Json json = json_header("invert", options.seed, isa_of(options));
+  add_files(json, inputs);
   json["what"] = what;
   json["color"] = list(target);
   json["albedo"] = list(found.albedo);

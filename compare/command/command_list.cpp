@@ -10,6 +10,7 @@
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/pilot.h"
+#include "phase/interface/interfaces.h"
 #include "phase/medium/media.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
@@ -72,6 +73,7 @@ std::vector<Info> chosen_entries(const std::vector<Info>& all, const std::string
 struct ListedMedium {
   std::string name, doc, source;
   std::vector<ParameterInfo> parameters;
+  std::string entry = "medium";  // or "interface", "substrate": where a stack file has it
 };
 
 }  // namespace
@@ -79,6 +81,7 @@ struct ListedMedium {
 int explain_command(const Options& options) {
   TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
+  const InputFiles inputs(stack);
   const Plan plan = plan_of(request);
   for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);
   std::FILE* out = table_stream(options);
@@ -93,8 +96,8 @@ int explain_command(const Options& options) {
   }
   const auto add = [&](const PlanNote& note) {
     if (!options.quiet)
-      fmt::print(out, "{:<12} {}\n{:<12} because: {}\n", note.subject, note.decision, "",
-                 note.reason);
+      fmt::print(out, "{}{}", wrapped(fmt::format("{:<12} ", note.subject), note.decision),
+                 wrapped(fmt::format("{:<12} because: ", ""), note.reason, 13));
     answer["plan"].push_back(
         {{"subject", note.subject}, {"decision", note.decision}, {"reason", note.reason}});
   };
@@ -117,6 +120,8 @@ int explain_command(const Options& options) {
   std::string names;
   for (const ModelInfo& info : models())
     if (info.applies_to && info.applies_to(stack)) names += (names.empty() ? "" : ", ") + info.name;
+  inputs.check();
+  add_files(answer, inputs);
   add({"models", names.empty() ? "none" : names, "the closed forms that apply to this stack"});
   write_json(answer, options.json);
   return kDone;
@@ -131,6 +136,8 @@ std::vector<std::string> listed_names(const std::string& command) {
   if (command == "media") {
     for (const MediumInfo& info : media()) names.push_back(info.name);
     for (const GeometryInfo& info : geometries()) names.push_back(info.name);
+    for (const InterfaceInfo& info : interfaces()) names.push_back(info.name);
+    names.push_back(kConductor);
   }
   return names;
 }
@@ -187,12 +194,18 @@ int media_command(const Options& options, const std::string& name) {
     all.push_back({info.name, info.doc, info.source, info.parameters});
   for (const GeometryInfo& info : geometries())
     all.push_back({info.name, info.doc, info.source, info.parameters});
+  for (const InterfaceInfo& info : interfaces())
+    all.push_back({info.name, info.doc, info.source, info.parameters, "interface"});
+  all.push_back({kConductor, "smooth or rough metal as a substrate", "Born and Wolf; Walter 2007",
+                 conductor_parameters(), "substrate"});
   for (const ListedMedium& info : chosen_entries(all, name, "medium")) {
     if (!options.quiet) {
-      print_heading(out, info.name, info.doc, info.source);
+      print_heading(out, info.name,
+                    info.entry == "medium" ? info.doc : info.entry + ": " + info.doc, info.source);
       print_parameters(out, info.parameters);
     }
     answer["media"].push_back({{"name", info.name},
+                               {"entry", info.entry},
                                {"doc", info.doc},
                                {"source", info.source},
                                {"parameters", to_json(info.parameters)}});

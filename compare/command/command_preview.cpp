@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
@@ -40,6 +41,9 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
   const Stack& stack = request.stack;
   check_preview("preview", stack);
   const std::vector<PictureFormat> formats = picture_formats_of(pictures);
+  std::vector<std::filesystem::path> read = objects_among(model_requests(options));
+  if (options.environment != "uniform") read.emplace_back(options.environment);
+  const InputFiles inputs(stack, read);
   const PreviewLighting lighting = lighting_of(options);
   const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
@@ -62,11 +66,13 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
   }
   const std::vector<PreviewResult> views =
       preview_views(table, models, distinct_names(models), lighting, options.size, &user_interrupt);
-  write_preview_files(folder + "/", views, table, stack, lighting, formats);
+  inputs.check();
+  write_preview_files(folder + "/", views, table, stack, lighting, formats, inputs);
   nlohmann::ordered_json answer = json_header("preview", request);
   answer["truth"] = table.source();
   answer["interrupted"] = user_interrupt.load();
   answer["views"] = to_json(views);
+  add_files(answer, inputs);
   if (!options.quiet)
     fmt::print(out, "{}wrote {}/: an EXR{} per view\n{}", preview_table(views), folder,
                formats.empty() ? "" : fmt::format(" and a picture ({})", endings_text(formats)),

@@ -8,6 +8,7 @@
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/report/wrapped_text.h"
 #include "compare/reproduce/reproduction.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
@@ -53,7 +54,9 @@ int reproduce_command(const Options& options, const std::string& name,
   if (name.empty()) {
     answer["reproductions"] = Json::array();
     for (const Reproduction& r : list) {
-      if (!options.quiet) fmt::print(out, "{:<24} {}\n{:<24} {}\n", r.name, r.doc, "", r.source);
+      if (!options.quiet)
+        fmt::print(out, "{}{}", wrapped(fmt::format("{:<24} ", r.name), r.doc),
+                   wrapped(std::string(25, ' '), r.source));
       answer["reproductions"].push_back({{"name", r.name}, {"doc", r.doc}, {"source", r.source}});
     }
     write_json(answer, options.json);
@@ -77,7 +80,9 @@ int reproduce_command(const Options& options, const std::string& name,
                               .walks = options.walks_given ? options.walks : found->walks};
   make_output_folder(context.folder);
   const FolderLock lock(context.folder);
-  if (context.table) fmt::print(out, "{}: {}\n{}\n\n", found->name, found->source, found->doc);
+  if (context.table)
+    fmt::print(out, "{}{}\n", wrapped(found->name + ": ", found->source, 4),
+               wrapped("", found->doc));
   catch_interrupts();
   answer["name"] = name;
   answer["source"] = found->source;
@@ -88,9 +93,9 @@ int reproduce_command(const Options& options, const std::string& name,
     if (context.formats.empty()) {
       fmt::print(out, "\n{}", absent_pictures_text());
     } else {
-      fmt::print(out, "\nwrote {}/:", context.folder);
-      for (const std::string& picture : context.pictures) fmt::print(out, " {}", picture);
-      fmt::print(out, "\n");
+      fmt::print(out, "\n{}",
+                 wrapped(fmt::format("wrote {}/: ", context.folder),
+                         fmt::format("{}", fmt::join(context.pictures, " ")), 4));
     }
   }
   write_json(answer, options.json);

@@ -101,11 +101,12 @@ std::vector<double> angles(const ClosedFormOptions& closed) {
 }
 
 void print_rows(std::FILE* out, const std::string& request, const Json& rows) {
-  fmt::print(out, "{}\n  {:>7} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7}\n", request, "theta_o",
-             "albedo", "mean", "+-", "variance", "max weight", "lost");
+  fmt::print(out, "{}\n  {:>7} {:>9} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7}\n", request, "theta_o",
+             "albedo", "+-", "mean", "+-", "variance", "max weight", "lost");
   for (const Json& row : rows)
-    fmt::print(out, "  {:>7g} {:>9.5f} {:>9.5f} {:>9.1e} {:>11.4g} {:>11.4g} {:>7.4f}\n",
-               row["theta_o"].get<double>(), row["albedo"].get<double>(), row["mean"].get<double>(),
+    fmt::print(out, "  {:>7g} {:>9.5f} {:>9.1e} {:>9.5f} {:>9.1e} {:>11.4g} {:>11.4g} {:>7.4f}\n",
+               row["theta_o"].get<double>(), row["albedo"].get<double>(),
+               row["albedo_error"].get<double>(), row["mean"].get<double>(),
                row["standard_error"].get<double>(), row["variance"].get<double>(),
                row["max_weight"].get<double>(), row["lost"].get<double>());
 }
@@ -145,6 +146,7 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
   const std::vector<double> thetas = angles(closed);
   const bool summary = options.models.empty() && !closed.all;
   Json answer = json_header("samplers", options.seed, isa_of(options));
+  const InputFiles inputs(Stack{}, objects_among(model_requests(options)));
   answer["samples"] = closed.samples;
   answer["models"] = Json::array();
   for (const std::string& text : options.models.empty() ? default_requests() : options.models) {
@@ -155,9 +157,10 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
       const Direction wo = direction_from_degrees(theta, 0);
       const SamplerStatistics s =
           sampler_statistics(*bound.model, wo, closed.samples, options.seed);
-      const double albedo = bound.model->albedo(with_grazing_limit(wo)).max();
+      const AlbedoEstimate albedo = bound.model->albedo_with_error(with_grazing_limit(wo));
       rows.push_back({{"theta_o", theta},
-                      {"albedo", albedo},
+                      {"albedo", albedo.value.max()},
+                      {"albedo_error", albedo.error.max()},
                       {"mean", s.mean},
                       {"standard_error", s.mean_error},
                       {"variance", s.variance},
@@ -170,6 +173,8 @@ int samplers_command(const Options& options, const ClosedFormOptions& closed) {
   if (!options.quiet && summary) print_summary(out, answer["models"], thetas);
   if (options.models.empty() && (closed.all || !options.json.empty()))
     answer["times"] = measure_times(stack, options.quiet || summary ? nullptr : out);
+  inputs.check();
+  add_files(answer, inputs);
   write_json(answer, options.json);
   return kDone;
 }

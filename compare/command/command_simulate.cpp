@@ -40,6 +40,8 @@ void print_run(std::FILE* out, const RunResult& run) {
     if (!reflected && side.total[0].value < 1e-12 && side.lobes[0].value.empty()) continue;
     fmt::print(out, "  {:<12} {}\n", reflected ? "reflected" : "transmitted",
                with_error(side.total, run));
+    if (side.zero[0].value > 0)
+      fmt::print(out, "    {:<10} {}\n", "order 0", with_error(side.zero, run));
     static const char* const names[] = {"order 1", "order 2", "order 3", "order 4+"};
     for (int o = 0; o < kTallyOrders; ++o)
       fmt::print(out, "    {:<10} {}\n", names[o], with_error(side.orders[o], run));
@@ -48,6 +50,7 @@ void print_run(std::FILE* out, const RunResult& run) {
   }
   fmt::print(out, "  {:<12} {}\n", "uncollided", with_error(run.uncollided, run));
   fmt::print(out, "  {:<12} {}\n", "absorbed", with_error(run.absorbed, run));
+  if (has_loss(run)) fmt::print(out, "  {:<12} {}\n", "lost", with_error(run.lost, run));
   fmt::print(out, "  {:<12} {}\n", "unresolved", with_error(run.unresolved, run));
   if (run.thinning.is_on())
     fmt::print(out,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
@@ -15,6 +16,8 @@
 #include "compare/report/sweep_table.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
+#include "compare/request/model_request.h"
+#include "compare/request/stack_parameters.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/sweep_axis.h"
 #include "compare/request/truth_request.h"
@@ -43,15 +46,6 @@ std::string named_model(const std::string& text, const fs::path& folder) {
   const std::string name = parse_model_request(text).name;
   if (!is_plugin_path(name)) return text;
   return relative_to(name, folder).string() + text.substr(name.size());
-}
-
-// The shared objects among the models.
-std::vector<fs::path> objects_among(const std::vector<std::string>& models) {
-  std::vector<fs::path> paths;
-  for (const std::string& text : models)
-    if (const std::string name = parse_model_request(text).name; is_plugin_path(name))
-      paths.emplace_back(name);
-  return paths;
 }
 
 // What a point's answer depends on: a folder holds one sweep only.
@@ -127,7 +121,8 @@ int point_status(const Json& answer, const Options& options) {
   for (const Json& model : answer.value("models", Json::array()))
     for (const Json& lobe : model.value("lobes", Json::array())) {
       if (lobe.value("order", "") != "all") continue;
-      const Json error = lobe.value("relative_rmse_without_noise", Json());
+      // What is certain, as `compare` has it (worst_relative_rmse).
+      const Json error = lobe.value("relative_rmse_range", Json::array({Json()})).front();
       if (error.is_number() ? error.get<double>() > *options.max_error
                             : lobe.value("verdict", "") == "differs")
         return kFailed;
@@ -144,12 +139,14 @@ int sweep_command(const Options& options) {
   for (const std::string& text : options.sets) axes.push_back(parse_sweep_axis(text));
   const SweepPoints sweep(stack, axes);
   sweep.check();
+  for (const ModelRequest& request_of_model : model_requests(options))
+    check_request(without_stack_key(request_of_model, stack));
   const std::size_t count = sweep.count();
   const fs::path folder = options.output.empty() ? stack.name + "-sweep" : options.output;
   const fs::path points = folder / "points";
   make_output_folder(points);
   const FolderLock lock(folder);
-  const InputFiles inputs(stack, objects_among(options.models));
+  const InputFiles inputs(stack, objects_among(model_requests(options)));
   const Json settings = settings_of(options, stack, axes, inputs, folder);
   if (const auto found = read_json(folder / "settings.json"); found && *found != settings)
     throw UsageError(
@@ -163,6 +160,11 @@ int sweep_command(const Options& options) {
   monitor.progress = {};  // a line per point is told
   monitor.solver = {};
   monitor.finished = {};
+  // What is odd about a grid's file is the same at every point.
+  std::set<std::string> told;
+  monitor.warning = [&told, warn = monitor.warning](const std::string& message) {
+    if (told.insert(message).second) warn(message);
+  };
   Json list = Json::array();
   int status = kDone;
   std::size_t done = 0;

@@ -49,6 +49,16 @@ void check_command(const CLI::App& app, char** argv) {
                   command.get_name(), word, command.get_name()));
 }
 
+// CLI11's "--walks: 1 required N missing" as every other error has it.
+std::string in_our_words(const std::string& text) {
+  static const std::string required = ": 1 required ", missing = " missing";
+  const std::size_t at = text.find(required);
+  if (at == std::string::npos || !text.ends_with(missing)) return text;
+  const std::size_t from = at + required.size();
+  return fmt::format("{}: found nothing; allowed: {}", text.substr(0, at),
+                     text.substr(from, text.size() - from - missing.size()));
+}
+
 }  // namespace
 
 CommandLine::CommandLine()
@@ -84,7 +94,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     const auto given = app.get_subcommands();
-    throw UsageError(fmt::format("{} (see lamella{} --help)", error.what(),
+    throw UsageError(fmt::format("{} (see lamella{} --help)", in_our_words(error.what()),
                                  given.empty() ? "" : " " + given.front()->get_name()));
   }
   if (!options.json.empty() && options.json != "-") check_output_file(options.json);

@@ -12,7 +12,10 @@ void define_show(CommandLine& line) {
       "show", "What is in an EXR file, and how it was made",
       "lamella simulate sggx_slab --wi 45 --walks 1e4 -o show.exr && lamella show show.exr",
       [&] { return show_command(line.options); });
-  command.add_option("FILE", line.options.stack, "EXR file")->required()->type_name("FILE.exr");
+  command.add_option("FILE", line.options.stack, "EXR file")
+      ->transform(named("an EXR file"))
+      ->required()
+      ->type_name("FILE.exr");
   add_json(command, line);
 }
 
@@ -22,6 +25,7 @@ void define_rerun(CommandLine& line) {
       "lamella simulate sggx_slab --wi 45 --walks 1e4 -o again.exr && lamella rerun again.exr",
       [&] { return rerun_command(line.options); });
   command.add_option("FILE", line.options.stack, "EXR file of simulate or compare")
+      ->transform(named("an EXR file"))
       ->required()
       ->type_name("FILE.exr");
   add_output(command, line, "FILE.exr", "Write the repeated file");
@@ -34,6 +38,7 @@ void define_grid(CommandLine& line) {
                                "lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb",
                                [&] { return grid_command(line.options, line.words); });
   command.add_option("KIND", line.words, "weave, dust, blotches or spheres, then key=value...")
+      ->transform(named("a kind, then key=value..."))
       ->expected(0, -1);
   add_output(command, line, "FILE.vdb", "The file to write");
   add_json(command, line);
@@ -44,7 +49,8 @@ void define_reproduce(CommandLine& line) {
                                "lamella reproduce micrograin_figure_9 --walks 1e5", [&] {
                                  return reproduce_command(line.options, line.word, line.pictures);
                                });
-  command.add_option("NAME", line.word, "The figure; without: lists what there is");
+  command.add_option("NAME", line.word, "The figure; without: lists what there is")
+      ->transform(named("a name of the list"));
   add_walks(command, line, "Walks or rays in all");
   add_pictures(command, line);
   add_output(command, line, "FOLDER", "Folder for the pictures (default ./NAME)");

@@ -12,9 +12,11 @@ void define_eval(CommandLine& line) {
                                "lambert albedo=0.5 --pairs -",
                                [&] { return eval_command(line.options, line.words); });
   command.add_option("MODEL", line.words, "Model or medium (see README), then key=value...")
+      ->transform(named("a model, then key=value..."))
       ->required()
       ->expected(1, -1);
   command.add_option("--pairs", line.options.pairs, "CSV of direction pairs, - for stdin")
+      ->transform(named("a CSV file of direction pairs, or -"))
       ->required()
       ->type_name("FILE");
   add_walks(command, line, "Walks per incident direction, of truth");
@@ -79,9 +81,11 @@ void define_fit(CommandLine& line) {
   CLI::App& command = line.add("fit", "SpongeCake's two further lobes for a stack",
                                "lamella fit sggx_slab --walks 1e5",
                                [&] { return fit_command(line.options, line.closed); });
-  command.add_option("STACK", line.options.stack,
-                     "TOML file, - for stdin, or a built-in stack of SGGX mirror flakes and "
-                     "Henyey-Greenstein layers, four at most");
+  command
+      .add_option("STACK", line.options.stack,
+                  "TOML file, - for stdin, or a built-in stack of SGGX mirror flakes and "
+                  "Henyey-Greenstein layers, four at most")
+      ->transform(named(kAllowedStacks));
   add_walks(command, line, "Walks per incident direction");
   add_walk_limits(command, line);
   add_seed(command, line);
@@ -104,6 +108,7 @@ void define_invert(CommandLine& line) {
           "WHAT", line.words,
           "Model, or stack (all its layers get the albedo), then albedo=R,G,B or one number, "
           "the colour as eval MODEL.albedo gives it, and the model's key=value...")
+      ->transform(named("a model or a stack, then key=value..."))
       ->required()
       ->expected(1, -1);
   command
@@ -123,7 +128,8 @@ void define_list(CommandLine& line, const std::string& name, const std::string& 
                  const std::string& example, int (*run)(const Options&, const std::string&)) {
   CLI::App& command = line.add(name, doc, "lamella " + name + " " + example,
                                [&line, run] { return run(line.options, line.word); });
-  command.add_option("NAME", line.word, "The one to show; without: all there are");
+  command.add_option("NAME", line.word, "The one to show; without: all there are")
+      ->transform(named("a name of the list"));
   add_json(command, line);
 }
 

@@ -83,6 +83,7 @@ void define_preview(CommandLine& line) {
   command
       .add_option("--environment", line.options.environment,
                   "Light from everywhere: uniform, or a lat-long picture (default uniform)")
+      ->transform(named("uniform, or an EXR file"))
       ->type_name("uniform|FILE.exr");
   command.add_option("--size", line.options.size, "Pixels across (default 192)")
       ->transform(whole_number(16, 2048))

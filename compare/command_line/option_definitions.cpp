@@ -69,6 +69,13 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
           ""};
 }
 
+CLI::Validator named(const std::string& allowed) {
+  return {[allowed](std::string& text) {
+            return text.empty() ? fmt::format("found \"\"; allowed: {}", allowed) : std::string();
+          },
+          ""};
+}
+
 CLI::Validator model_argument() {
   return {[](std::string& text) {
             try {
@@ -133,8 +140,10 @@ CLI::Validator output_of(const std::string& type) {
 }
 
 void add_stack(CLI::App& command, CommandLine& line) {
-  command.add_option("STACK", line.options.stack,
-                     "TOML file, - for stdin, or a built-in stack (lamella stacks)");
+  command
+      .add_option("STACK", line.options.stack,
+                  "TOML file, - for stdin, or a built-in stack (lamella stacks)")
+      ->transform(named(kAllowedStacks));
 }
 
 void add_json(CLI::App& command, CommandLine& line) {

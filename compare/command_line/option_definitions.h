@@ -9,6 +9,10 @@ namespace lamella {
 [[nodiscard]] CLI::Validator positive_number();
 [[nodiscard]] CLI::Validator number_from_zero();
 [[nodiscard]] CLI::Validator whole_number(std::uint64_t from, std::uint64_t to);
+/// Any text but none at all: without it a command would do what it does where nothing was typed.
+[[nodiscard]] CLI::Validator named(const std::string& allowed);
+inline constexpr const char* kAllowedStacks =
+    "a TOML file, - for stdin, or a built-in stack (lamella stacks lists them)";
 /// A model, or @FILE with one in it, which it becomes.
 [[nodiscard]] CLI::Validator model_argument();
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);

@@ -53,16 +53,15 @@ void draw_bar_labels(Canvas& canvas, const ColorScale& scale, int left, int top,
 }  // namespace
 
 void draw_color_bar(Canvas& canvas, const ColorScale& scale, int left, int top, int width,
-                    bool open_ended) {
+                    OpenEnds open) {
   for (int x = 0; x < width; ++x)
     canvas.fill(left + x, top, 1, kBarHeight, scale.color_at((x + 0.5) / width));
   canvas.outline(left - 1, top - 1, width + 2, kBarHeight + 2, kLine);
-  if (open_ended)
-    for (int i = 0; i < kBarHeight / 2 + 1; ++i) {
-      const int y = top - 1 + i, height = kBarHeight + 2 - 2 * i;
-      canvas.fill(left - 2 - i, y, 1, height, scale.color_at(0));
-      canvas.fill(left + width + 1 + i, y, 1, height, scale.color_at(1));
-    }
+  for (int i = 0; i < kBarHeight / 2 + 1; ++i) {
+    const int y = top - 1 + i, height = kBarHeight + 2 - 2 * i;
+    if (open.low) canvas.fill(left - 2 - i, y, 1, height, scale.color_at(0));
+    if (open.high) canvas.fill(left + width + 1 + i, y, 1, height, scale.color_at(1));
+  }
   draw_bar_labels(canvas, scale, left, top + kBarHeight + 1, width);
 }
 

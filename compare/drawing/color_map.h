@@ -15,8 +15,8 @@ struct Color {
 [[nodiscard]] Color viridis(double t);
 
 /// Blue for negative, near white for 0, red for positive: t in [-1, 1] (clamped; nan gives 0).
-/// ColorBrewer's RdBu with 11 classes, reversed, linear in between: t = 2 i / 255 - 1 gives entry i
-/// of the 256 that matplotlib's RdBu_r has, and t = 0 the neutral colour between two of them.
+/// Of the 256 entries of RdBu the 128 below and the 128 above its middle, in equal steps of |t|;
+/// t = 0 is the neutral colour between them.
 [[nodiscard]] Color diverging_color(double t);
 
 }  // namespace lamella

@@ -35,7 +35,7 @@ struct Group {
   ColorScale scale;
   std::vector<Panel> panels{};
   std::vector<std::string> notes{};
-  bool open_ended = false;  // values beyond the ends are expected
+  OpenEnds open{};
   bool magnitudes = false;  // signs are left out
 
   [[nodiscard]] int width() const {
@@ -92,7 +92,9 @@ Group difference_group(Map map) {
 }
 
 Group z_group(Map map) {
-  Group group{.scale = fixed_signed_scale(kZLimit, 2), .panels = {{map, "z"}}, .open_ended = true};
+  Group group{.scale = fixed_signed_scale(kZLimit, 2), .panels = {{map, "z"}}};
+  group.open = {count_cells(map, [](double v) { return v < -kZLimit; }) > 0,
+                count_cells(map, [](double v) { return v > kZLimit; }) > 0};
   const int beyond = count_cells(map, [](double v) { return std::fabs(v) > kZLimit; });
   add_notes(group, "difference / standard error");
   add_notes(group, fmt::format("|z| > {}: {}", kZLimit, cells_text(beyond, map.size())));
@@ -101,10 +103,9 @@ Group z_group(Map map) {
 
 /// Of a bounded truth, whose bounds are so small that z would be far beyond any fixed end.
 Group bound_group(Map map) {
-  Group group{.scale = ratio_scale(map),
-              .panels = {{map, "error over bound"}},
-              .open_ended = true,
-              .magnitudes = true};
+  Group group{.scale = ratio_scale(map), .panels = {{map, "error over bound"}}, .magnitudes = true};
+  group.open = {count_cells(map, [&](double v) { return std::fabs(v) < group.scale.low; }) > 0,
+                count_cells(map, [&](double v) { return std::fabs(v) > group.scale.high; }) > 0};
   const int beyond = count_cells(map, [](double v) { return std::fabs(v) > 1; });
   add_notes(group, "|difference| / error bound, logarithmic");
   add_notes(group, fmt::format("beyond the bound: {}", cells_text(beyond, map.size())));
@@ -380,7 +381,7 @@ std::string draw_lobe(const LobePicture& picture, PictureFormat format) {
       ++index;
     }
     draw_color_bar(canvas, group.scale, bar_left, layout.rectangle_top + kRectangle + kAxisHeight,
-                   group.width(), group.open_ended);
+                   group.width(), group.open);
     for (std::size_t i = 0; i < group.notes.size(); ++i)
       canvas.text(bar_left + group.width() / 2, page.notes_top + static_cast<int>(i) * kLineHeight,
                   group.notes[i], Font::small, Align::center, i == 0 ? kText : kSoftText);

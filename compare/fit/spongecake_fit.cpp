@@ -13,6 +13,8 @@ namespace lamella {
 namespace {
 
 constexpr double kLargestFactor = 1e3;
+// Standard errors of the energy that cut walks held which are added to it (judge/missing_light.h).
+constexpr double kUnresolvedErrors = 3;
 // Narrower flakes than this are narrower than a cell.
 constexpr double kLeastRoughness = 0.02, kLargestG = 0.98;
 
@@ -24,6 +26,17 @@ struct Cell {
   bool reflected;
   std::size_t residue;
 };
+
+// Per channel, how much the energy of a run's orders 2 and up may be too low, as walks were cut.
+Rgb missing_energy(const RunResult& run) {
+  Rgb missing;
+  for (int c = 0; c < 3; ++c) {
+    const Estimate& cut = run.unresolved[run.channels == 3 ? c : 0];
+    if (!run.is_bounded() && cut.value > 0)
+      missing[c] = std::min(1.0, cut.value + kUnresolvedErrors * cut.standard_error);
+  }
+  return missing;
+}
 
 /// What is free, in the order of the solver's vector.
 struct Layout {
@@ -124,7 +137,9 @@ std::vector<Cell> cells_of(const std::vector<RunResult>& runs,
         }
         cells.push_back(cell);
       }
-      residues.push_back({.wi = run.incident, .reflected = reflected});
+      residues.push_back({.wi = run.incident,
+                          .reflected = reflected,
+                          .energy_missing = luminance(missing_energy(run))});
     }
   return cells;
 }
@@ -237,6 +252,19 @@ SpongecakeFit fit_spongecake(const Stack& stack, const std::vector<RunResult>& r
       counts[r] += weight;
       fit.residues[r].energy_truth += kPi * weight * cells[k].truth[c];
       fit.residues[r].energy_model += kPi * weight * values[k][c];
+    }
+  double walk_noise = 0;
+  for (const double n : noise) walk_noise += n;
+  fit.walk_noise = std::sqrt(walk_noise / square);
+  // What cut walks held belongs to an unknown place: at worst to one cell of each side.
+  std::size_t next = 0;
+  for (const RunResult& run : runs)
+    for (const SideResult* side : {&run.reflected, &run.transmitted}) {
+      if (side->lobes[0].value.empty()) continue;
+      const Rgb missing = missing_energy(run);
+      for (int c = 0; c < layout.channels; ++c)
+        noise[next] += std::pow(missing[c] / run.grid.projected_solid_angle(), 2);
+      ++next;
     }
   for (std::size_t r = 0; r < fit.residues.size(); ++r) {
     SpongecakeResidue& residue = fit.residues[r];

@@ -20,8 +20,9 @@ inline constexpr double kFitNoise = 0.25;
 struct SpongecakeTruth {
   std::vector<RunResult> runs;
   SpongecakeFit fit;
-  std::uint64_t walks = 0;  ///< per direction
+  std::uint64_t walks = 0;  ///< per direction, where they are fewest
   bool is_sharp = false;    ///< whether the noise is below kFitNoise of what the lobes leave over
+  bool is_late = false;     ///< whether the clock has ended it
 };
 
 /// What a fit may be asked for.
@@ -33,9 +34,9 @@ struct SpongecakeEffort {
 };
 
 /// fit_spongecake to walks, as many as it needs: from 1e5 per direction fourfold, until their noise
-/// is below kFitNoise of what the lobes leave over, up to 6.4e6. Analog walks, of seed + 2^32, so
-/// that those of a comparison with a small seed are others. Throws std::invalid_argument where
-/// there is nothing to fit.
+/// is below kFitNoise of what the lobes leave over, up to 6.4e6, or for 20 s. Analog walks, of seed
+/// + 2^32, so that those of a comparison with a small seed are others. Throws std::invalid_argument
+/// where there is nothing to fit.
 [[nodiscard]] SpongecakeTruth fit_spongecake_by_walks(const Stack& stack,
                                                       const SpongecakeEffort& effort);
 

@@ -27,7 +27,7 @@ std::vector<double> grouped_values(const std::vector<double>& values, const std:
 // A stochastic model's parts are dealt to the truth's batches, each taking its part's deviation
 // from the mean of all: the means stay, their covariance becomes that of the difference.
 void add_noise(BatchSums& sums,
-               const std::vector<std::array<std::vector<double>, kOrders + 1>>& parts, int order) {
+               const std::vector<std::array<std::vector<double>, kLobeOrders>>& parts, int order) {
   if (parts.empty()) return;
   const std::size_t cells = parts[0][order].size(), batches = sums.sums.size();
   std::vector<double> mean(cells);
@@ -48,7 +48,7 @@ BatchSums same_in_batches(const std::vector<double>& values, std::size_t batches
 
 // Standard errors of a stochastic model's cells.
 std::vector<double> noise_of_parts(
-    const std::vector<std::array<std::vector<double>, kOrders + 1>>& parts, int order) {
+    const std::vector<std::array<std::vector<double>, kLobeOrders>>& parts, int order) {
   if (parts.empty()) return {};
   BatchSums sums = same_in_batches(std::vector<double>(parts[0][order].size()), parts.size());
   add_noise(sums, parts, order);
@@ -195,14 +195,22 @@ std::vector<double> LobeComparison::z() const {
   return out;
 }
 
+double LobeComparison::open_share() const {
+  double open = 0, all = 0;
+  for (const double e : projection_error) open += e;
+  for (const double f : model) all += std::abs(f);
+  return open == 0 ? 0 : all > 0 ? open / all : std::numeric_limits<double>::infinity();
+}
+
 std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
                                     const ProjectedLobes& model, bool reflected) {
   std::vector<LobeComparison> lobes;
   const SideResult& side = reflected ? run.reflected : run.transmitted;
   const bool up = (run.incident.z > 0) == reflected;
   const double solid_angle = run.grid.projected_solid_angle();
-  for (int o = 0; o <= kOrders; ++o) {
-    if (!model.has[o]) continue;
+  for (int o = 0; o < kLobeOrders; ++o) {
+    // Without rough interfaces there is no lobe of order 0 to compare with.
+    if (!model.has[o] || side.lobes[o].value.empty()) continue;
     LobeComparison l;
     l.wi = run.incident;
     l.reflected = reflected;

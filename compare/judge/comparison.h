@@ -42,6 +42,9 @@ struct LobeComparison {
   /// What the projection left open beyond kProjectionTolerance, per cell; empty if nothing.
   std::vector<double> projection_error;
 
+  /// The sum over cells and channels of projection_error over that of |model|, 0 if nothing is
+  /// open.
+  [[nodiscard]] double open_share() const;
   /// Whether walks were cut that may have belonged here.
   [[nodiscard]] bool is_cut() const;
   /// (model - truth) / the standard error of both; 0 in cells without one.

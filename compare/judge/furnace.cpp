@@ -1,12 +1,13 @@
 #include "compare/judge/furnace.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
+#include "phase/random/random.h"
 #include "volume/quadrature/quadrature.h"
 
 namespace lamella {
@@ -27,7 +28,9 @@ FurnaceRun judge_bounded(const RunResult& run, bool white) {
   furnace.run = run;
   for (int c = 0; c < run.channels; ++c) {
     double energy = run.uncollided[c].value, bound = run.absorbed[c].standard_error;
+    bound += run.lost[c].standard_error;
     for (const SideResult* side : {&run.reflected, &run.transmitted}) {
+      if (!side->lobes[kTallyOrders].value.empty()) energy += side->specular[c].value;
       const LobeEstimate& all = side->lobes[kTallyOrders];
       const std::size_t cells = all.value.size() / run.channels;
       if (all.value.empty()) {  // the depth of a half space has no cells
@@ -40,10 +43,11 @@ FurnaceRun judge_bounded(const RunResult& run, bool white) {
       }
     }
     furnace.energy[c] = {energy, bound};
-    furnace.expected[c] = 1 - run.absorbed[c].value;
+    const double missing = run.absorbed[c].value + run.lost[c].value;
+    furnace.expected[c] = 1 - missing;
     const double defect = energy - furnace.expected[c], noise = bound + 1e-12;
     furnace.gains = furnace.gains || defect > noise;
-    furnace.loses = furnace.loses || defect < -noise || (white && run.absorbed[c].value > noise);
+    furnace.loses = furnace.loses || defect < -noise || (white && missing > noise);
     furnace.is_wide = furnace.is_wide || !(bound <= kWidestFurnaceError);
   }
   furnace.verdict = verdict_of(furnace);
@@ -88,24 +92,26 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
     // The difference of the estimator and the ledger per batch: what both share cancels.
     const auto seen = [&](const BatchTally& b) {
       double sum = b.energy.uncollided[c] + b.energy.specular_up[c] + b.energy.specular_down[c];
-      for (int o = 0; o < kTallyOrders; ++o)
+      for (int o = 0; o < simulation.plan().order_slots(); ++o)
         for (std::size_t k = 0; k < count; ++k)
           sum += solid_angle * b.f[(static_cast<std::size_t>(o) * run.channels + c) * count + k];
       return sum;
     };
     furnace.energy[c] = batch_estimate(simulation.batches(), seen);
     const double unresolved = run.unresolved[c].value;
-    furnace.expected[c] = 1 - run.absorbed[c].value - unresolved - run.thinned[c].value;
+    furnace.expected[c] =
+        1 - run.absorbed[c].value - unresolved - run.lost[c].value - run.thinned[c].value;
     const Estimate defect = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] + b.energy.thinned[c] -
-             static_cast<double>(b.walks);
+      return seen(b) + b.energy.absorbed[c] + b.energy.unresolved[c] + b.energy.lost[c] +
+             b.energy.thinned[c] - static_cast<double>(b.walks);
     });
     const double noise = t * defect.standard_error + 1e-12;
     // A sharp lobe that few walks hit: so few events that their mean is far from normal.
     const double error = furnace.energy[c].standard_error;
     const bool too_few =
         furnace.energy[c].value * furnace.energy[c].value < kFewestEvents * error * error;
-    const double lost = run.absorbed[c].value - (weighs ? t * run.absorbed[c].standard_error : 0);
+    const double lost = run.absorbed[c].value + run.lost[c].value -
+                        (weighs ? t * run.absorbed[c].standard_error : 0);
     furnace.gains = furnace.gains || (defect.value > noise && !too_few);
     furnace.loses = furnace.loses || (defect.value < -noise && !too_few) || (white && lost > 1e-12);
     furnace.is_cut = furnace.is_cut || unresolved > noise;
@@ -118,47 +124,69 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
 
 RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, std::uint64_t walks,
                              std::uint64_t seed, const StopFlag* stop) {
-  constexpr int kNodes = 16, kAzimuths = 16;
+  // Rings are wider than the strata of the light: what is seen on one, as a function of where the
+  // light comes from, is at least as wide as it, however narrow the lobes are.
+  constexpr int kRings = 16, kStrata = 32, kDraws = 2, kNodes = 4;
   using Rule = boost::math::quadrature::gauss<double, kNodes>;
   w = with_grazing_limit(w);
   RadianceCheck check;
   check.w = w;
   const double s = stack.one_sidedness() * (w.z > 0 ? 1 : -1);
-  const StopRule rule{.walks = std::max<std::uint64_t>(walks / (2 * kNodes + 1), kBatches),
-                      .target_error = {},
-                      .seconds = {}};
+  const StopRule rule{
+      .walks = std::max<std::uint64_t>(walks / (2 * kStrata * kDraws + kNodes), kBatches),
+      .target_error = {},
+      .seconds = {}};
+  const int ring = std::min(static_cast<int>((1 - w.z * w.z) * kRings), kRings - 1);
+  const double lowest = 1 - (ring + 1.0) / kRings;
 
-  Simulation along(stack, plan, w, Estimator::analog, CellGrid{1, 1, false}, seed);
-  lamella::run(along, rule, {}, stop);
-  const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
-    double sum = 0;
-    for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
-    return sum;
-  });
-  check.predicted = 1 + std::expm1(s) * (scattered.value + stack.uncollided(w));
-  check.predicted_error = std::abs(std::expm1(s)) * scattered.standard_error;
+  // Light that enters along the ring's directions, in mu^2, where equal steps have equal weight.
+  double predicted_variance = 0;
+  for (int k = 0; k < kNodes; ++k) {
+    const double x = (k % 2 ? 1 : -1) * Rule::abscissa()[k / 2];
+    const double mu2 = lowest + (x + 1) / 2 / kRings, weight = Rule::weights()[k / 2] / 2;
+    const Direction v = direction_from_mu_phi(std::copysign(std::sqrt(mu2), w.z), 0);
+    Simulation along(stack, plan, v, Estimator::analog, CellGrid{1, 1, false}, seed + k);
+    lamella::run(along, rule, {}, stop);
+    const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
+      double sum = 0;
+      for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
+      return sum;
+    });
+    check.predicted += weight * (1 + std::expm1(s) * (scattered.value + stack.uncollided(v)));
+    const double error = weight * std::expm1(s) * scattered.standard_error;
+    predicted_variance += error * error;
+    check.measured += weight * stack.uncollided(-v);
+  }
+  check.predicted_error = std::sqrt(predicted_variance);
 
-  // L(w) = integral of f(w_i -> w) |mu_i| dw_i over both hemispheres, plus what comes straight
-  // through; in mu_i^2, where equal steps have equal weight. The azimuth is averaged by turning w:
-  // equal steps, which are spectrally accurate around the circle, of half of it by symmetry.
-  std::vector<Direction> turned;
-  for (int k = 0; k < kAzimuths; ++k)
-    turned.push_back(direction_from_mu_phi(w.z, kPi * (k + 0.5) / kAzimuths));
+  // L = integral of f(w_i -> ring) |mu_i| dw_i over both hemispheres, plus what comes straight
+  // through: w_i drawn in strata of mu_i^2, w_o all over the ring by every walk.
   double variance = 0;
-  for (const double side : {1.0, -1.0})
-    for (int k = 0; k < kNodes; ++k) {
-      const int half = k / 2;
-      const double x = (k % 2 ? 1 : -1) * Rule::abscissa()[half];
-      const double mu = std::sqrt((x + 1) / 2), weight = Rule::weights()[half] / 2;
-      Simulation node(stack, plan, direction_from_mu_phi(side * mu, 0), turned, seed + k + 1);
-      lamella::run(node, rule, {}, stop);
-      const Estimate f = batch_estimate(node.batches(), [](const BatchTally& b) {
-        return std::accumulate(b.f.begin(), b.f.end(), 0.0) / kAzimuths;
-      });
-      check.measured += kPi * weight * f.value;
-      variance += kPi * weight * f.standard_error * kPi * weight * f.standard_error;
+  std::uint64_t draw = 0;
+  for (const bool above : {true, false})
+    for (int k = 0; k < kStrata; ++k) {
+      std::array<double, kDraws> f{};
+      for (double& value : f) {
+        RandomStream stream(seed, draw, StreamPurpose::measure);
+        const double mu = std::sqrt((k + stream.uniform()) / kStrata);
+        Simulation node(stack, plan, direction_from_mu_phi(above ? mu : -mu, 0),
+                        Estimator::next_event, CellGrid{kRings, 1, false}, seed + kNodes + draw);
+        lamella::run(node, rule, {}, stop);
+        ++draw;
+        const auto target = static_cast<std::size_t>(target_of(node.targets(), w.z > 0, ring));
+        const std::size_t count = node.targets().count();
+        value = batch_estimate(node.batches(), [&](const BatchTally& b) {
+                  double sum = 0;
+                  for (int o = 0; o < kTallyOrders; ++o)
+                    sum += b.f[static_cast<std::size_t>(o) * plan.channels * count + target];
+                  return sum;
+                }).value;
+      }
+      const double weight = kPi / kStrata;
+      check.measured += weight * (f[0] + f[1]) / 2;
+      // Of the mean of two draws: half of their difference, squared.
+      variance += weight * weight * (f[0] - f[1]) * (f[0] - f[1]) / 4;
     }
-  check.measured += stack.uncollided(-w);
   check.standard_error = std::sqrt(variance);
   return check;
 }

@@ -56,10 +56,11 @@ struct RadianceCheck {
   double predicted = 0, predicted_error = 0;  ///< 1 + (exp(+-S) - 1) T(w)
 };
 
-/// Measures that radiance by light from Gauss-Legendre directions over both hemispheres, and
-/// predicts it from the total transmittance of light entering along w reversed. For stacks that are
-/// open below, symmetric about z and white, without delta flakes. `walks` in all; `stop`, once
-/// set, ends each part early.
+/// Measures that radiance by walks from directions drawn over both hemispheres, and predicts it
+/// from the total transmittance of light entering along w reversed; both are means over the ring of
+/// directions within w's sixteenth of mu^2, so that no lobe is too narrow to be met. For stacks
+/// that are open below, symmetric about z and white, without delta flakes. `walks` in all; `stop`,
+/// once set, ends each part early.
 [[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
                                            std::uint64_t walks, std::uint64_t seed,
                                            const StopFlag* stop = nullptr);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "phase/math/larger_error.h"
+
 namespace lamella {
 namespace {
 
@@ -76,11 +78,13 @@ FurnaceSweep sweep_furnace(const ModelInfo& info) {
     ++sweep.configurations;
     for (const double mu : kCosines) {
       const Direction wi = with_grazing_limit(direction_from_mu_phi(mu, 0));
-      const double energy = model->albedo(wi).g + model->specular(wi).g + model->uncollided(wi);
+      const AlbedoEstimate albedo = model->albedo_with_error(wi);
+      const double energy = albedo.value.g + model->specular(wi).g + model->uncollided(wi);
       if (!std::isfinite(energy))
         throw std::domain_error(
             fmt::format("{}: the energy at mu = {} is not finite with {}", info.name, mu, text));
       sweep.energies.push_back(energy);
+      sweep.worst_error = larger_error(sweep.worst_error, albedo.error.g);
       const double theta = degrees_of(mu);
       if (energy < sweep.least.energy) sweep.least = SweepExtreme{energy, theta, text};
       if (energy > sweep.most.energy) sweep.most = SweepExtreme{energy, theta, text};

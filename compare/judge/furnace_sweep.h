@@ -27,6 +27,9 @@ struct FurnaceSweep {
   /// fastest.
   std::vector<double> energies{};
   SweepExtreme least{.energy = 2}, most{.energy = -1};
+  /// The largest error of an energy: of its quadrature or closed form, or of a stochastic model one
+  /// standard error.
+  double worst_error = 0;
 };
 
 /// The white furnace of a model over the whole range of its parameters: albedo and f0 at 1, every

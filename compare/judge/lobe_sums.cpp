@@ -33,8 +33,10 @@ BatchSums lobe_sums(const Simulation& simulation, bool up, int order, const Cell
   for (const BatchTally& batch : simulation.batches()) {
     out.walks.push_back(static_cast<double>(batch.walks));
     std::vector<double> row(groups.count);
-    for (int o = 0; o < kTallyOrders; ++o) {
-      if (order < kTallyOrders && o != order) continue;
+    const bool summed = order == kTallyOrders || order == kScatteredLobe;
+    const int slots = order == kScatteredLobe ? kTallyOrders : simulation.plan().order_slots();
+    for (int o = 0; o < slots; ++o) {
+      if (!summed && o != (order == kZeroLobe ? kZeroSlot : order)) continue;
       for (int c = 0; c < channels; ++c)
         for (int cell = 0; cell < cells; ++cell)
           row[groups.group[static_cast<std::size_t>(c) * cells + cell]] +=

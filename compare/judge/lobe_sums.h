@@ -23,8 +23,8 @@ struct CellGroups {
 /// channel, as many in each.
 [[nodiscard]] CellGroups cell_patches(const CellGrid& grid, int channels);
 
-/// Per batch, the sums of one lobe over groups of its cells. `up`: the side; `order`: slot of the
-/// tally, kTallyOrders: all orders.
+/// Per batch, the sums of one lobe over groups of its cells. `up`: the side; `order`: as in
+/// SideResult::lobes.
 [[nodiscard]] BatchSums lobe_sums(const Simulation& simulation, bool up, int order,
                                   const CellGroups& groups);
 

@@ -38,7 +38,8 @@ double most_sum(std::span<const double> difference, double budget) {
 
 bool is_cut(const RunResult& run, Order order) {
   if (run.is_bounded()) return false;
-  if (order != Order::all && order != Order::four_plus &&
+  if (order == Order::zero) return false;
+  if (order != Order::all && order != Order::scattered && order != Order::four_plus &&
       static_cast<std::uint64_t>(order) + 1 <= run.max_order)
     return false;
   for (int c = 0; c < run.channels; ++c)

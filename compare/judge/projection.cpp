@@ -14,6 +14,9 @@ namespace lamella {
 namespace {
 
 constexpr int kPoints = 4;  // per panel and dimension
+// Cells are cut about the directions in which lobes have their peaks, down to pieces of this extent
+// [radians].
+constexpr double kPeakExtent = 2e-3;
 
 using Values = std::vector<Rgb>;  // per order and all
 
@@ -34,15 +37,84 @@ class CellIntegrator {
                  bool up)
       : model_(model), info_(info), wi_(wi), grid_(grid), side_(up ? 1 : -1) {}
 
-  // The cell's means with panels x panels sub-cells; steps in mu, where f is smooth down to 0.
-  [[nodiscard]] Values means(int cell, int panels) const {
-    static const auto rule = gauss_rule();
+  // A piece of a cell; phi relative to w_i.
+  struct Piece {
+    double mu0, mu1, phi0, phi1;
+  };
+
+  // The cell, cut finely about the mirror direction, w_i itself and the way straight through: a
+  // peak there that is narrower than the points of the whole cell lie apart would be missed by all.
+  [[nodiscard]] std::vector<Piece> pieces(int cell) const {
     const int row = cell / grid_.columns(), column = cell % grid_.columns();
+    const Piece whole{grid_.edge_mu(row + 1), grid_.edge_mu(row), grid_.edge_phi(column),
+                      grid_.edge_phi(column) + 2 * kPi / grid_.phi_cells};
+    std::vector<Piece> open{whole}, done;
+    while (!open.empty()) {
+      const Piece p = open.back();
+      open.pop_back();
+      if (!is_large(p)) {
+        done.push_back(p);
+        continue;
+      }
+      const double mu = (p.mu0 + p.mu1) / 2, phi = (p.phi0 + p.phi1) / 2;
+      const double theta = std::acos(p.mu0) - std::acos(p.mu1);
+      const double around = (p.phi1 - p.phi0) * std::sqrt(1 - p.mu0 * p.mu0);
+      if (theta > 2 * around) {
+        open.push_back({p.mu0, mu, p.phi0, p.phi1});
+        open.push_back({mu, p.mu1, p.phi0, p.phi1});
+      } else if (around > 2 * theta) {
+        open.push_back({p.mu0, p.mu1, p.phi0, phi});
+        open.push_back({p.mu0, p.mu1, phi, p.phi1});
+      } else {
+        for (const auto& [a, b] : {std::pair{p.mu0, mu}, {mu, p.mu1}}) {
+          open.push_back({a, b, p.phi0, phi});
+          open.push_back({a, b, phi, p.phi1});
+        }
+      }
+    }
+    return done;
+  }
+
+  // The cell's means with panels x panels panels in each of its pieces.
+  [[nodiscard]] Values means(int cell, const std::vector<Piece>& pieces, int panels) const {
+    Values sums(kLobeOrders);
+    for (const Piece& piece : pieces) {
+      const Values part = integrals(piece, panels);
+      for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += part[o];
+    }
+    // Over the cell, the integral of mu dmu dphi is (mu1^2 - mu0^2) / 2 times the width of phi.
+    const int row = cell / grid_.columns();
     const double mu0 = grid_.edge_mu(row + 1), mu1 = grid_.edge_mu(row);
-    const double phi0 = azimuth(wi_) + grid_.edge_phi(column);
-    const double dmu = (mu1 - mu0) / panels;
-    const double dphi = 2 * kPi / grid_.phi_cells / panels;
-    Values sums(kOrders + 1);
+    const double norm = 1 / ((mu1 - mu0) * (mu1 + mu0) / 2 * (2 * kPi / grid_.phi_cells));
+    for (Rgb& sum : sums) sum = norm * sum;
+    return sums;
+  }
+
+ private:
+  // Whether a piece is larger than its distance from a peak, and than the least piece.
+  [[nodiscard]] bool is_large(const Piece& p) const {
+    const double mu = std::abs(wi_.z), theta_i = std::acos(std::min(mu, 1.0));
+    const double theta0 = std::acos(p.mu1), theta1 = std::acos(p.mu0);
+    const double sine = std::sqrt(std::max(1 - mu * mu, 0.0));
+    const double theta = theta1 - theta0;
+    const double around = (p.phi1 - p.phi0) * std::sqrt(1 - p.mu0 * p.mu0);
+    const double extent = std::max(theta, around);
+    if (extent <= kPeakExtent) return false;
+    const double off_theta = std::max({theta0 - theta_i, theta_i - theta1, 0.0});
+    for (const double peak : {0.0, kPi, 2 * kPi}) {
+      const double off_phi = std::max({p.phi0 - peak, peak - p.phi1, 0.0}) * sine;
+      if (std::hypot(off_theta, off_phi) < extent / 2) return true;
+    }
+    return false;
+  }
+
+  // Of f mu dmu dphi; steps in mu, where f is smooth down to 0.
+  [[nodiscard]] Values integrals(const Piece& piece, int panels) const {
+    static const auto rule = gauss_rule();
+    const double mu0 = piece.mu0, phi0 = azimuth(wi_) + piece.phi0;
+    const double dmu = (piece.mu1 - piece.mu0) / panels;
+    const double dphi = (piece.phi1 - piece.phi0) / panels;
+    Values sums(kLobeOrders);
     std::vector<Rgb> lobes(info_.lobes.size());
     for (int a = 0; a < panels; ++a)
       for (const auto& [x, wx] : rule) {
@@ -55,20 +127,15 @@ class CellIntegrator {
             for (std::size_t k = 0; k < lobes.size(); ++k) {
               const Rgb part = weight * lobes[k];
               sums[kOrders] += part;
-              // Order 0 has no tally yet: it is part of all orders only.
-              if (static_cast<int>(info_.lobes[k].order) < kOrders)
+              if (info_.lobes[k].order != Order::all)
                 sums[static_cast<int>(info_.lobes[k].order)] += part;
             }
           }
       }
-    // Over the cell, the integral of mu dmu dphi is (mu1^2 - mu0^2) / 2 times the width of phi.
-    const double norm =
-        dmu / 2 * dphi / 2 / ((mu1 - mu0) * (mu1 + mu0) / 2 * (2 * kPi / grid_.phi_cells));
-    for (Rgb& sum : sums) sum = norm * sum;
+    for (Rgb& sum : sums) sum = dmu / 2 * dphi / 2 * sum;
     return sums;
   }
 
- private:
   const Model& model_;
   const ModelInfo& info_;
   Direction wi_;
@@ -94,9 +161,9 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   return true;
 }
 
-std::array<std::vector<double>, kOrders + 1> by_channel(const std::vector<Values>& cells,
+std::array<std::vector<double>, kLobeOrders> by_channel(const std::vector<Values>& cells,
                                                         int channels) {
-  std::array<std::vector<double>, kOrders + 1> lobes;
+  std::array<std::vector<double>, kLobeOrders> lobes;
   for (std::size_t o = 0; o < lobes.size(); ++o)
     for (int c = 0; c < channels; ++c)
       for (const Values& cell : cells) lobes[o].push_back(cell[o][c]);
@@ -110,11 +177,15 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   wi = with_grazing_limit(wi);
   const CellIntegrator integrator(model, info, wi, grid, up);
   const int cells = grid.cells();
+  std::vector<std::vector<CellIntegrator::Piece>> pieces(cells);
   std::vector<Values> coarse(cells);
-  tbb::parallel_for(0, cells, [&](int cell) { coarse[cell] = integrator.means(cell, 1); });
-  Values scale(kOrders + 1);
+  tbb::parallel_for(0, cells, [&](int cell) {
+    pieces[cell] = integrator.pieces(cell);
+    coarse[cell] = integrator.means(cell, pieces[cell], 1);
+  });
+  Values scale(kLobeOrders);
   for (const Values& v : coarse)
-    for (int o = 0; o <= kOrders; ++o)
+    for (int o = 0; o < kLobeOrders; ++o)
       for (int c = 0; c < 3; ++c) scale[o][c] += std::abs(v[o][c]) / cells;
 
   const auto start = std::chrono::steady_clock::now();
@@ -122,12 +193,12 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >
            kProjectionSeconds;
   };
-  const Values nothing(kOrders + 1);
+  const Values nothing(kLobeOrders);
   std::vector<Values> open(cells, nothing);
   tbb::parallel_for(0, cells, [&](int cell) {
     open[cell] = change(coarse[cell], nothing);  // unrefined, nothing is known of it
     for (int panels = 2; panels <= kProjectionPanels && !is_late(); panels *= 2) {
-      const Values fine = integrator.means(cell, panels);
+      const Values fine = integrator.means(cell, pieces[cell], panels);
       const bool done = close(coarse[cell], fine, scale);
       open[cell] = done ? nothing : change(coarse[cell], fine);
       coarse[cell] = fine;
@@ -143,14 +214,15 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
 
   ProjectedLobes result;
   result.has[kOrders] = true;
-  for (const LobeInfo& lobe : info.lobes)
-    if (static_cast<int>(lobe.order) < kOrders) result.has[static_cast<int>(lobe.order)] = true;
+  for (const LobeInfo& lobe : info.lobes) result.has[static_cast<int>(lobe.order)] = true;
+
   result.lobes = by_channel(coarse, channels);
   result.errors = by_channel(open, channels);
   if (const auto* stochastic = dynamic_cast<const StochasticModel*>(&model))
     for (const auto& part : stochastic->split(kBatches)) {
       const CellIntegrator rough(*part, info, wi, grid, up);
-      tbb::parallel_for(0, cells, [&](int cell) { coarse[cell] = rough.means(cell, 1); });
+      tbb::parallel_for(0, cells,
+                        [&](int cell) { coarse[cell] = rough.means(cell, pieces[cell], 1); });
       result.parts.push_back(by_channel(coarse, channels));
     }
   return result;

@@ -9,15 +9,15 @@
 namespace lamella {
 
 /// A closed form on the cells of one side: cosine-weighted means of f [1/sr], [channel][cell], per
-/// order 1, 2, 3, 4+ (of the lobes that stand for it) and all.
+/// order in the sequence of Order: of the lobes that stand for it, and all.
 struct ProjectedLobes {
-  std::array<std::vector<double>, kOrders + 1> lobes;
-  std::array<bool, kOrders + 1> has{};  ///< whether the model has a lobe of that order; all: true
+  std::array<std::vector<double>, kLobeOrders> lobes;
+  std::array<bool, kLobeOrders> has{};  ///< whether the model has a lobe of that order; all: true
   /// What refinement left open, per cell like the values: the last change, 0 where that is within
   /// kProjectionTolerance. Jumps, noise and features narrower than a panel leave something.
-  std::array<std::vector<double>, kOrders + 1> errors;
+  std::array<std::vector<double>, kLobeOrders> errors;
   /// Of a stochastic model: lobes of independent estimates, whose scatter is the model's noise.
-  std::vector<std::array<std::vector<double>, kOrders + 1>> parts;
+  std::vector<std::array<std::vector<double>, kLobeOrders>> parts;
 };
 
 /// Relative accuracy of a projected cell: what a comparison may not hold against a model.
@@ -30,7 +30,9 @@ inline constexpr int kProjectionPanels = 32;
 /// After this time cells are refined no further, whatever is left open.
 inline constexpr double kProjectionSeconds = 30;
 
-/// Projects by Gauss-Legendre quadrature over each cell, refined until a cell's value changes by
+/// Projects by Gauss-Legendre quadrature over each cell, cut beforehand into small pieces about the
+/// mirror direction, w_i and the way straight through, where peaks of any width above 1e-3 radians
+/// are found, and refined until a cell's value changes by
 /// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean), at most
 /// kProjectionPanels times along mu and phi, and for at most kProjectionSeconds of time. `up`: the
 /// side w_o lies on; channels: 1 or 3. A stochastic model's parts, as many as a run has batches,

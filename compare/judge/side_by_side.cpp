@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "compare/fit/fitted_models.h"
+#include "compare/judge/missing_light.h"
 #include "compare/judge/projection.h"
 #include "compare/request/model_request.h"
 #include "compare/request/percent.h"
@@ -31,6 +32,17 @@ double energy_of(const std::vector<double>& lobe, int channels) {
   return luminance(energies);
 }
 
+// The most that light which cut walks held adds to the sum of the cells' squares: all of it in one
+// cell, of every channel.
+double missing_square(const RunResult& run, Order order) {
+  double sum = 0;
+  for (const double energy : missing_energy(run, order)) {
+    const double f = energy / run.grid.projected_solid_angle();
+    sum += f * f;
+  }
+  return sum;
+}
+
 RunResult walked(const TruthRequest& medium, const RunResult& like, const StopFlag* stop) {
   Simulation simulation(medium.stack, plan_of(medium), like.incident, Estimator::analog, like.grid,
                         medium.seed + 1);
@@ -41,7 +53,7 @@ RunResult walked(const TruthRequest& medium, const RunResult& like, const StopFl
 }  // namespace
 
 RelativeError relative_error(const LobeEstimate& truth, const std::vector<double>& other,
-                             const std::vector<double>& other_error) {
+                             const std::vector<double>& other_error, double missing_square) {
   double difference = 0, noise = 0, square = 0, own_noise = 0;
   for (std::size_t k = 0; k < truth.value.size(); ++k) {
     const double d = other[k] - truth.value[k];
@@ -57,7 +69,7 @@ RelativeError relative_error(const LobeEstimate& truth, const std::vector<double
            : squares > 0 ? std::numeric_limits<double>::infinity()
                          : 0;
   };
-  return {relative(std::max(0.0, difference - noise)), relative(noise)};
+  return {relative(std::max(0.0, difference - noise)), relative(noise + missing_square)};
 }
 
 std::vector<SideBySide> side_by_side(const TruthRequest& request,
@@ -90,13 +102,18 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
       for (int o = 0; o <= kTallyOrders; ++o) {
         const LobeEstimate &g = grains.reflected.lobes[o], &f = flat.reflected.lobes[o];
         if (g.value.size() != f.value.size()) continue;  // grey here, coloured there
+        const auto order = static_cast<Order>(o);
         SideBySide row{.wi = grains.incident,
                        .medium = medium.layers[0].medium_name,
                        .model = {},
-                       .order = static_cast<Order>(o),
+                       .order = order,
                        .energy_geometry = energy_of(g.value, grains.channels),
                        .energy_medium = energy_of(f.value, flat.channels),
-                       .medium_error = relative_error(g, f.value, f.standard_error),
+                       .energy_missing = std::max(luminance(missing_energy(grains, order)),
+                                                  luminance(missing_energy(flat, order))),
+                       .medium_error = relative_error(
+                           g, f.value, f.standard_error,
+                           missing_square(grains, order) + missing_square(flat, order)),
                        .model_error = {},
                        .total_error = {}};
         bool any = false;
@@ -107,8 +124,8 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
           any = true;
           row.model = models[k].info->name;
           row.energy_model = energy_of(p.lobes[o], flat.channels);
-          row.model_error = relative_error(f, p.lobes[o]);
-          row.total_error = relative_error(g, p.lobes[o]);
+          row.model_error = relative_error(f, p.lobes[o], {}, missing_square(flat, order));
+          row.total_error = relative_error(g, p.lobes[o], {}, missing_square(grains, order));
           rows.push_back(row);
         }
         if (!any) rows.push_back(row);
@@ -120,23 +137,26 @@ std::vector<SideBySide> side_by_side(const TruthRequest& request,
 
 std::string side_by_side_table(const std::vector<SideBySide>& rows) {
   std::string text =
-      "\nThe geometry, a medium measured from it, a closed form of that medium; rel. RMSE without "
+      "\nThe geometry, a medium measured from it, closed forms of that medium; rel. RMSE without "
       "noise of\n  (a) the medium, over the geometry's root mean square, (b) the form, over the "
-      "medium's, (c) the form, over the geometry's\n";
-  text += fmt::format("  {:>7} {:>5} {:>9} | {:<14} {:>9} {:>9} | {:<30} {:>9} {:>9} {:>9} {:>9}\n",
-                      "theta_i", "order", "geometry", "medium", "energy", "(a)", "closed form",
-                      "energy", "(b)", "(c)", "noise");
+      "medium's,\n  (c) the form, over the geometry's; noise: of (a), with what cut walks lack\n";
+  text += fmt::format("  {:>7} {:>5}  {:<34} {:>8} {:>9} {:>9} {:>9} {:>9}\n", "theta_i", "order",
+                      "medium, form", "energy", "(a)", "(b)", "(c)", "noise");
+  const SideBySide* last = nullptr;
   for (const SideBySide& r : rows) {
-    text += fmt::format("  {:>7g} {:>5} {:>9.5f} | {:<14} {:>9.5f} {:>9} | ", theta_degrees(r.wi),
-                        to_text(r.order), r.energy_geometry, r.medium, r.energy_medium,
-                        percent_cell(r.medium_error.rmse));
-    if (r.model.empty())
-      text += fmt::format("{:<30} {:>9} {:>9} {:>9} {:>9}\n", "-", "", "", "",
+    const bool same = last && dot(last->wi - r.wi, last->wi - r.wi) == 0 &&
+                      last->medium == r.medium && last->order == r.order;
+    if (!same)
+      text += fmt::format("  {:>7g} {:>5}  {:<34} {:>8.5f} {:>9} {:>9} {:>9} {:>9}\n",
+                          theta_degrees(r.wi), to_text(r.order),
+                          fmt::format("{}, geometry {:.5f}", r.medium, r.energy_geometry),
+                          r.energy_medium, percent_cell(r.medium_error.rmse), "", "",
                           percent_cell(r.medium_error.noise));
-    else
-      text += fmt::format("{:<30} {:>9.5f} {:>9} {:>9} {:>9}\n", r.model, r.energy_model,
-                          percent_cell(r.model_error.rmse), percent_cell(r.total_error.rmse),
-                          percent_cell(r.medium_error.noise));
+    last = &r;
+    if (!r.model.empty())
+      text += fmt::format("  {:>7} {:>5}    {:<32} {:>8.5f} {:>9} {:>9} {:>9}\n", "", "", r.model,
+                          r.energy_model, "", percent_cell(r.model_error.rmse),
+                          percent_cell(r.total_error.rmse));
   }
   return text;
 }

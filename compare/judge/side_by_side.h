@@ -18,9 +18,12 @@ struct RelativeError {
 };
 
 /// `other_error`: standard errors of the other, empty if it has none. All per cell.
+/// `missing_square`: what light that cut walks held may add to the sum of the cells' squares; it
+/// counts as noise of unknown sign: the difference keeps it.
 [[nodiscard]] RelativeError relative_error(const LobeEstimate& truth,
                                            const std::vector<double>& other,
-                                           const std::vector<double>& other_error = {});
+                                           const std::vector<double>& other_error = {},
+                                           double missing_square = 0);
 
 /// Explicit geometry, a medium that stands for it, and a closed form of that medium: one lobe of
 /// the reflected light. What the medium leaves out of the geometry, what the form leaves out of the
@@ -31,6 +34,7 @@ struct SideBySide {
   std::string model;   ///< empty: no closed form of that medium stands for this order
   Order order = Order::all;
   double energy_geometry = 0, energy_medium = 0, energy_model = 0;  ///< luminance (Rec. 709)
+  double energy_missing = 0;  ///< that either of the first two may be too low by, as walks were cut
   RelativeError medium_error;  ///< of the medium, geometry being the truth
   RelativeError model_error;   ///< of the model, the medium being the truth
   RelativeError total_error;   ///< of the model, geometry being the truth

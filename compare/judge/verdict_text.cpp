@@ -26,7 +26,8 @@ std::string verdict_legend(const std::vector<const LobeComparison*>& lobes,
   const bool bounded = lobes.front()->bounded;
   const char* const unknown = bounded ? "bound" : "noise";
   std::string text = fmt::format(
-      "\nrel. RMSE: of the cells, over the root mean square of the truth's; no noise: {}\n"
+      "\ntruth, model: energies of the lobe; rel. RMSE: of the cells, over the root mean square of "
+      "the\n  truth's; no noise: {}\n"
       "agrees: no difference beyond the {}, and the {} could hide none above {} of rel. RMSE\n"
       "differs: beyond the {}, by this rel. RMSE without noise; insufficient: neither can be "
       "said\n",
@@ -35,9 +36,9 @@ std::string verdict_legend(const std::vector<const LobeComparison*>& lobes,
   if (std::any_of(lobes.begin(), lobes.end(), [](const auto* l) { return l->is_cut(); }))
     text += fmt::format(
         "missing: walks were cut after {} events; the energies of the truth are too low by this at "
-        "most, all lobes\n  together, and a cell's f by this over the cell's projected solid "
+        "most,\n  all lobes together, and a cell's f by this over the cell's projected solid "
         "angle. "
-        "Verdicts hold wherever that light belongs\n  (--max-order, --thin-from)\n",
+        "Verdicts hold\n  wherever that light belongs (--max-order, --thin-from)\n",
         max_order);
   return text;
 }

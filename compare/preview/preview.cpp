@@ -65,7 +65,8 @@ std::string to_text(PreviewLight light) {
   return light == PreviewLight::lamp ? "lamp" : "environment";
 }
 
-PreviewImage render(const Reflection& f, const PreviewView& view, const ReflectedLight& reflected) {
+PreviewImage render(const ReflectionTowards& f, const PreviewView& view,
+                    const ReflectedLight& reflected) {
   PreviewImage image{view.width(), view.height(), {}, {}};
   const auto pixels = static_cast<std::size_t>(image.width) * image.height;
   image.radiance.resize(pixels);
@@ -82,7 +83,7 @@ PreviewImage render(const Reflection& f, const PreviewView& view, const Reflecte
         continue;
       }
       const Direction wi = hit->surface.to_local(lamp);
-      if (wi.z > 0) image.radiance[k] = kPi * wi.z * f(wi, hit->surface.to_local(hit->to_viewer));
+      if (wi.z > 0) image.radiance[k] = kPi * wi.z * f(hit->surface.to_local(hit->to_viewer))(wi);
     }
   });
   image.covered.assign(covered.begin(), covered.end());

@@ -37,7 +37,7 @@ struct PreviewImage {
 
 /// One sample in the middle of each pixel. `reflected`: f and what it reflects of an environment;
 /// a lamp needs f alone. Runs in the calling thread's task arena.
-[[nodiscard]] PreviewImage render(const Reflection& f, const PreviewView& view,
+[[nodiscard]] PreviewImage render(const ReflectionTowards& f, const PreviewView& view,
                                   const ReflectedLight& reflected);
 
 /// A named picture of a view; the first of a view is the truth.

@@ -119,7 +119,7 @@ std::string draw_preview(const std::string& title, const std::vector<PreviewColu
     const int bar = std::min(width - kScaleLabel - 3 * kMargin, 256),
               top = height - kColorBarHeight - 2;
     canvas.fill(0, top - 4, width, height - top + 4, Color{255, 255, 255});
-    draw_color_bar(canvas, scales.difference, kMargin + kScaleLabel, top, bar, false);
+    draw_color_bar(canvas, scales.difference, kMargin + kScaleLabel, top, bar, {});
     canvas.text(kMargin, top, "luminance, model \u2212 truth", Font::small, Align::left,
                 Color{0, 0, 0});
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "compare/files/base64.h"
@@ -55,11 +56,11 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                          const std::vector<std::string>& names,
                                          const PreviewLighting& lighting, int size,
                                          const StopFlag* stop) {
-  std::vector<std::pair<std::string, Reflection>> surfaces{
-      {"truth", [&](Direction wi, Direction wo) { return truth(wi, wo); }}};
+  std::vector<std::pair<std::string, ReflectionTowards>> surfaces{
+      {"truth", [&](Direction wo) { return truth.towards(wo); }}};
   for (std::size_t k = 0; k < models.size(); ++k)
-    surfaces.emplace_back(names[k], [model = models[k].model.get()](Direction wi, Direction wo) {
-      return model->eval(wi, wo);
+    surfaces.emplace_back(names[k], [model = models[k].model.get()](Direction wo) {
+      return [model, wo](Direction wi) { return model->eval(wi, wo); };
     });
   std::vector<ReflectedLight> reflected;
   for (const auto& [name, f] : surfaces) {
@@ -81,8 +82,8 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
 
 void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
                          const LobeTable& truth, const Stack& stack,
-                         const PreviewLighting& lighting,
-                         const std::vector<PictureFormat>& formats) {
+                         const PreviewLighting& lighting, const std::vector<PictureFormat>& formats,
+                         const InputFiles& inputs) {
   for (const PreviewResult& result : views) {
     ExrImage image;
     image.width = result.view.width();
@@ -98,6 +99,7 @@ void write_preview_files(const std::string& prefix, const std::vector<PreviewRes
                          "plain R, G, B: the truth"}};
     for (std::size_t k = 0; k < result.columns.size(); ++k)
       add_channels(image, result.columns[k].name, result.columns[k].image, k == 0);
+    record_files(image, inputs, std::filesystem::path(prefix).parent_path());
     write_exr(prefix + result.name() + ".exr", image);
     write_pictures(prefix + result.name(), formats, [&](PictureFormat format) {
       return draw_preview(stack.name + ": " + title_of(result.view, lighting), result.columns,

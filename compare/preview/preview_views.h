@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compare/preview/preview.h"
+#include "compare/report/input_files.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/truth/lobe_table.h"
@@ -33,11 +34,12 @@ struct PreviewResult {
                                                        const PreviewLighting& lighting, int size,
                                                        const StopFlag* stop);
 
-/// Writes `prefix`NAME.exr and a picture per format of every view. Throws OutputError.
+/// Writes `prefix`NAME.exr and a picture per format of every view. `inputs`: what the EXR names as
+/// the files that were read. Throws OutputError.
 void write_preview_files(const std::string& prefix, const std::vector<PreviewResult>& views,
                          const LobeTable& truth, const Stack& stack,
-                         const PreviewLighting& lighting,
-                         const std::vector<PictureFormat>& formats);
+                         const PreviewLighting& lighting, const std::vector<PictureFormat>& formats,
+                         const InputFiles& inputs);
 
 /// For an answer: per view its scene and light, and the mean luminance of each picture.
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PreviewResult>& views);

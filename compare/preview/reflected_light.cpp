@@ -45,11 +45,16 @@ Frame<double> frame_of(Direction n, Direction to_viewer) {
 }  // namespace
 
 ReflectedLight::ReflectedLight(Reflection f, const Environment& environment)
+    : ReflectedLight(
+          [f = std::move(f)](Direction wo) { return [&f, wo](Direction wi) { return f(wi, wo); }; },
+          environment) {}
+
+ReflectedLight::ReflectedLight(ReflectionTowards f, const Environment& environment)
     : f_(std::move(f)), environment_(environment), albedos_(kAngles + 1), sizes_(kAngles + 1) {
   tbb::parallel_for(0, kAngles + 1, [&](int k) {
     const double mu = angle_mu(k);
     const Direction wo = direction_from_mu_phi(mu, 0);
-    const LobeCells lobe = lobe_cells([&](Direction wi) { return f_(wi, wo); }, mu);
+    const LobeCells lobe = lobe_cells(f_(wo), mu);
     albedos_[k] = lobe.energy;
     if (environment_.is_uniform()) return;
     sizes_[k] = sizes_of(lobe);
@@ -119,7 +124,7 @@ double ReflectedLight::largest_extent(std::size_t angle, Direction local) const 
 struct ReflectedLight::Gathering {
   const ReflectedLight& light;
   Frame<double> frame;
-  Direction wo;
+  std::function<Rgb(Direction)> f;
   std::size_t angle;
   Rgb sum{};
 
@@ -127,7 +132,7 @@ struct ReflectedLight::Gathering {
     const double cosine = dot(centroid, frame.n);
     if (cosine <= 0) return;
     const Direction local = normalized(frame.to_local(centroid));
-    sum += cosine * (light.f_(local, wo) * flux);
+    sum += cosine * (f(local) * flux);
   }
 
   // Whether a rectangle is to be halved; nothing where it lies below the horizon.
@@ -196,7 +201,7 @@ Rgb ReflectedLight::operator()(Direction n, Direction to_viewer) const {
   if (environment_.is_uniform()) return uniform;
   const auto angle =
       static_cast<std::size_t>(std::min(static_cast<int>(place_of_mu(wo.z)), kAngles - 1));
-  Gathering gathering{*this, frame, wo, angle};
+  Gathering gathering{*this, frame, f_(wo), angle};
   gathering.visit(environment_.nodes().front());
   return uniform + gathering.sum;
 }

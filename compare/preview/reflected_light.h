@@ -13,6 +13,9 @@ namespace lamella {
 /// f [1/sr] of a surface, w_i and w_o above it, without a preferred azimuth.
 using Reflection = std::function<Rgb(Direction wi, Direction wo)>;
 
+/// The same for one w_o at a time, as a function of w_i: what depends on w_o alone is done once.
+using ReflectionTowards = std::function<std::function<Rgb(Direction wi)>(Direction wo)>;
+
 /// Radiance that a surface sends to its viewer under light from everywhere: the integral of
 /// f L mu_i over the hemisphere.
 ///
@@ -31,6 +34,7 @@ class ReflectedLight {
   static constexpr int kAngles = 96;
 
   /// Runs in the calling thread's task arena. The environment must outlive this object.
+  ReflectedLight(ReflectionTowards f, const Environment& environment);
   ReflectedLight(Reflection f, const Environment& environment);
 
   /// n: the unit normal; to_viewer: unit, above the surface.
@@ -50,7 +54,7 @@ class ReflectedLight {
   struct Gathering;
   [[nodiscard]] double largest_extent(std::size_t angle, Direction local) const;
 
-  Reflection f_;
+  ReflectionTowards f_;
   const Environment& environment_;
   std::vector<Rgb> albedos_;
   std::vector<Sizes> sizes_;

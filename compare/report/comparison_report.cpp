@@ -44,11 +44,23 @@ Json to_json(const LobeComparison& l) {
           {"max_error", l.max_error},
           {"p_value", l.p_value},
           {"empty_cells", l.empty_cells},
+          {"projection_open", json_number(l.open_share())},
           {"verdict", to_text(l.verdict)}};
 }
 
 std::string missing_text(const LobeComparison& l) {
-  return l.is_cut() ? fmt::format("<={:.1e}", luminance(l.energy_missing)) : "none";
+  return l.is_cut() ? fmt::format("<{:.1e}", luminance(l.energy_missing)) : "none";
+}
+
+// A line where the quadrature over cells ended before it was exact, by its panels or its time.
+std::string open_projection_text(const std::vector<LobeComparison>& lobes) {
+  double most = 0;
+  for (const LobeComparison& l : lobes) most = std::max(most, l.open_share());
+  if (!(most > kProjectionTolerance)) return "";
+  return fmt::format(
+      "  its projection onto cells was ended at {} panels or {:g} s and leaves open up to {} of a "
+      "lobe, which\n  is not held against it\n",
+      kProjectionPanels, kProjectionSeconds, percent_text(most));
 }
 
 // `max_order`: of the walks, if any.
@@ -61,18 +73,21 @@ std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_orde
   for (const JudgedModel& m : models) {
     text += fmt::format("\n{} ({:.0f} ns per evaluation)\n{}", m.bound->info->name, m.nanoseconds,
                         told_parameters(*m.bound, 4));
-    text += fmt::format("  {:>7} {:>9} {:>5} {:>12} {:>8}{} {:>12} {:>10} {:>10} {:>8}  {}\n",
-                        "theta_i", "side", "order", "energy truth", "+-",
-                        cut ? fmt::format(" {:>9}", "missing") : "", "energy model", "rel. RMSE",
-                        "no noise", "p", "verdict");
+    // Where light is missing the verdict has the range of the rel. RMSE: as it stands it is left
+    // out.
+    text += fmt::format("  {:>7} {:>8} {:>5} {:>8} {:>7}{} {:>8}{} {:>8} {:>7}  {}\n", "theta_i",
+                        "side", "order", "truth", "+-", cut ? fmt::format(" {:>8}", "missing") : "",
+                        "model", cut ? "" : fmt::format(" {:>9}", "rel. RMSE"), "no noise", "p",
+                        "verdict");
     for (const LobeComparison& l : m.lobes)
-      text += fmt::format(
-          "  {:>7g} {:>9} {:>5} {:>12.5f} {:>8.1e}{} {:>12.5f} {:>10} {:>10} {:>8.2g}  {}\n",
-          theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
-          luminance(l.energy_truth), luminance(l.energy_error),
-          cut ? fmt::format(" {:>9}", missing_text(l)) : "", luminance(l.energy_model),
-          percent_cell(l.relative_rmse), percent_cell(l.relative_rmse_without_noise), l.p_value,
-          verdict_text(l));
+      text +=
+          fmt::format("  {:>7g} {:>8} {:>5} {:>8.5f} {:>7.1e}{} {:>8.5f}{} {:>8} {:>7.2g}  {}\n",
+                      theta_degrees(l.wi), l.reflected ? "reflect" : "transmit", to_text(l.order),
+                      luminance(l.energy_truth), luminance(l.energy_error),
+                      cut ? fmt::format(" {:>8}", missing_text(l)) : "", luminance(l.energy_model),
+                      cut ? "" : fmt::format(" {:>9}", percent_cell(l.relative_rmse)),
+                      percent_cell(l.relative_rmse_without_noise), l.p_value, verdict_text(l));
+    text += open_projection_text(m.lobes);
   }
   return text + verdict_legend(all, max_order);
 }
@@ -86,6 +101,7 @@ Json to_json(const std::vector<SideBySide>& rows) {
                {"medium", r.medium},
                {"energy_geometry", r.energy_geometry},
                {"energy_medium", r.energy_medium},
+               {"energy_missing", r.energy_missing},
                {"relative_rmse_of_medium", json_number(r.medium_error.rmse)},
                {"noise", json_number(r.medium_error.noise)}};
     if (!r.model.empty()) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/files/output_folder.h"
@@ -38,8 +39,12 @@ Json to_json(const ParameterValue& value) {
 Json to_json(const Stack& stack) {
   Json layers = Json::array();
   for (const Layer& layer : stack.layers) {
-    Json entry{{"medium", layer.medium_name}};
+    Json entry{{layer.interface ? "interface" : "medium", layer.medium_name}};
     for (const auto& [key, value] : layer.parameters.all()) entry[key] = to_json(value);
+    if (layer.interface) {
+      layers.push_back(std::move(entry));
+      continue;
+    }
     entry["albedo"] = to_json(ParameterValue(layer.albedo));
     if (!layer.grains) {
       entry["thickness"] = json_number(layer.thickness);
@@ -126,6 +131,11 @@ namespace {
 Json side_json(const SideResult& side, int channels) {
   Json orders = Json::object();
   static const char* const names[kTallyOrders] = {"1", "2", "3", "4+"};
+  const bool has_zero = std::any_of(side.zero.begin(), side.zero.end(),
+                                    [](const Estimate& e) { return e.value > 0; });
+  if (has_zero)
+    orders["0"] = {{"total", values_of(side.zero, channels)},
+                   {"standard_error", errors_of(side.zero, channels)}};
   for (int o = 0; o < kTallyOrders; ++o)
     orders[names[o]] = {{"total", values_of(side.orders[o], channels)},
                         {"standard_error", errors_of(side.orders[o], channels)}};
@@ -155,6 +165,10 @@ Json to_json(const RunResult& run) {
            {"uncollided", values_of(run.uncollided, run.channels)},
            {"absorbed", values_of(run.absorbed, run.channels)},
            {"unresolved", values_of(run.unresolved, run.channels)}};
+  if (has_loss(run)) {
+    out["lost"] = values_of(run.lost, run.channels);
+    out["lost_standard_error"] = errors_of(run.lost, run.channels);
+  }
   if (const auto& a = run.accuracy)
     out["accuracy"] = {{"reached", a->reached},
                        {"error", json_number(a->error)},

@@ -18,7 +18,8 @@ namespace {
 std::string side_name(bool reflected) { return reflected ? "reflect" : "transmit"; }
 
 std::string lobe_name(int order) {
-  static const char* const names[] = {"order1", "order2", "order3", "order4plus", "all"};
+  static const char* const names[] = {"order1", "order2", "order3",    "order4plus",
+                                      "all",    "order0", "order1plus"};
   return names[order];
 }
 
@@ -110,7 +111,7 @@ ExrImage simulation_image(const TruthRequest& request, const std::vector<RunResu
   for (std::size_t k = 0; k < runs.size(); ++k)
     for (const bool reflected : {true, false}) {
       const SideResult& side = reflected ? runs[k].reflected : runs[k].transmitted;
-      for (int o = 0; o <= kTallyOrders; ++o) {
+      for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
         if (side.lobes[o].value.empty()) continue;
         const int n = static_cast<int>(k);
         add(image, n, reflected, o, "", side.lobes[o].value, runs[k].channels);

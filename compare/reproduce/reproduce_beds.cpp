@@ -63,14 +63,14 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
   const std::uint64_t walks = std::max<std::uint64_t>(kBatches, context.walks / packings.size());
   Json rows = Json::array();
   if (context.table)
-    fmt::print(context.table,
-               "theta_i 60, albedo {:g}, optical depth {:g}; bed - medium, relative to the medium "
-               "or BRDF; "
-               "rel. RMSE over {}x{} cells without noise\n"
-               "{:>9} {:>9} | {:>9} {:>8} {:>9} {:>8} {:>9} {:>8} | {:>8} {:>8} {:>8} {:>8}\n",
-               kAlbedo, kDepth, kCells.mu_cells, kCells.phi_cells, "packing", "fraction",
-               "energy 1", "+-", "energy 2", "+-", "all", "+-", "RMSE 1", "RMSE all", "BRDF all",
-               "noise");
+    fmt::print(
+        context.table,
+        "theta_i 60, albedo {:g}, optical depth {:g}; bed - medium, relative to the medium: "
+        "energies of\norder 1, 2 and all; rel. RMSE over {}x{} cells without noise, of order "
+        "1, of all (RMSE), of all\nagainst the BRDF\n"
+        "{:>7} {:>8} | {:>8} {:>7} {:>8} {:>7} {:>8} {:>7} | {:>6} {:>6} {:>6} {:>6}\n",
+        kAlbedo, kDepth, kCells.mu_cells, kCells.phi_cells, "packing", "fraction", "energy 1", "+-",
+        "energy 2", "+-", "all", "+-", "RMSE 1", "RMSE", "BRDF", "noise");
   std::vector<ChartSeries> series(4);
   const char* const labels[] = {"energy of order 1", "energy of all orders",
                                 "relative RMSE of order 1",
@@ -109,8 +109,8 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
     if (context.table) {
       fmt::print(
           context.table,
-          "{:>9g} {:>9.5f} | {:>9.5f} {:>8.1e} {:>9.5f} {:>8.1e} {:>9.5f} {:>8.1e} | {:>8.4f} "
-          "{:>8.4f} {:>8.4f} {:>8.4f}\n",
+          "{:>7g} {:>8.5f} | {:>8.5f} {:>7.1e} {:>8.5f} {:>7.1e} {:>8.5f} {:>7.1e} | {:>6.4f} "
+          "{:>6.4f} {:>6.4f} {:>6.4f}\n",
           packing, fraction, one.value, one.standard_error, two.value, two.standard_error,
           all.value, all.standard_error, first.rmse, medium_all.rmse, brdf.rmse, brdf.noise);
       std::fflush(context.table);
@@ -225,7 +225,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
   if (context.table)
     fmt::print(
         context.table,
-        "white spheres, packing {:g}, {:g} radii deep; normals met first by light from above: "
+        "white spheres, packing {:g}, {:g} radii deep; normals met first by light from above:\n"
         "r = {:.4f} +- {:.1e}\n",
         kPacking, kThickness / kRadius, measured.vmf.roughness.value,
         measured.vmf.roughness.standard_error);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analytic/catalogue/model_plugin.h"
 #include "compare/request/errors.h"
 
 namespace lamella {
@@ -18,6 +19,26 @@ std::string without_blanks(const std::string& text) {
   const std::size_t from = text.find_first_not_of(" \t\r");
   if (from == std::string::npos) return {};
   return text.substr(from, text.find_last_not_of(" \t\r") - from + 1);
+}
+
+// A shared object, or the file of a key "stack", that is named relative to the file it stands in.
+std::string with_files_beside(const std::string& request, const std::filesystem::path& folder) {
+  if (folder.empty()) return request;
+  const auto found = [&](const std::string& file) {
+    return is_plugin_path(file) || file.ends_with(".toml") ? (folder / file).string() : file;
+  };
+  std::string text;
+  for (std::size_t from = 0; from <= request.size();) {
+    const std::size_t comma = std::min(request.find(',', from), request.size());
+    const std::string part = request.substr(from, comma - from);
+    static const std::string key = "stack=";
+    if (from == 0)
+      text = found(part);
+    else
+      text += "," + (part.starts_with(key) ? key + found(part.substr(key.size())) : part);
+    from = comma + 1;
+  }
+  return text;
 }
 
 }  // namespace
@@ -50,7 +71,7 @@ std::string model_text(const std::string& text) {
   }
   if (request.empty())
     throw UsageError(fmt::format("{}:1: found no model; allowed: NAME,key=value,...", name));
-  return request;
+  return with_files_beside(request, std::filesystem::path(name).parent_path());
 }
 
 }  // namespace lamella

@@ -79,16 +79,27 @@ std::vector<ParameterInfo> parameters_of(const ModelInfo& info, const ModelReque
   return parameters_of(info, selecting);
 }
 
+namespace {
+
+const ModelInfo& known_model(const ModelRequest& request) {
+  if (const ModelInfo* info = find_or_load_model(request.name)) return *info;
+  std::vector<std::string> names;
+  for (const ModelInfo& info : models()) names.push_back(info.name);
+  const std::string hint = suggestion(request.name, names);
+  throw UsageError(fmt::format("model \"{}\": unknown{}; allowed: {}", request.name,
+                               hint.empty() ? "" : ", " + hint, listed(names)));
+}
+
+}  // namespace
+
+void check_request(const ModelRequest& request) {
+  const ModelInfo& info = known_model(request);
+  (void)read_parameters(request.name, parameters_of(info, request), request.values);
+}
+
 BoundModel bind_model(const ModelRequest& request, const Stack* stack) {
   BoundModel bound;
-  bound.info = find_or_load_model(request.name);
-  if (!bound.info) {
-    std::vector<std::string> names;
-    for (const ModelInfo& info : models()) names.push_back(info.name);
-    const std::string hint = suggestion(request.name, names);
-    throw UsageError(fmt::format("model \"{}\": unknown{}; allowed: {}", request.name,
-                                 hint.empty() ? "" : ", " + hint, listed(names)));
-  }
+  bound.info = &known_model(request);
   if (bound.info->needs_stack && !stack)
     throw UsageError(
         fmt::format("{}: key \"stack\": found nothing; allowed: a stack file, - or a "
@@ -127,6 +138,13 @@ std::vector<std::filesystem::path> objects_of(const std::vector<BoundModel>& mod
   std::vector<std::filesystem::path> paths;
   for (const BoundModel& m : models)
     if (!m.object.empty()) paths.emplace_back(m.object);
+  return paths;
+}
+
+std::vector<std::filesystem::path> objects_among(const std::vector<ModelRequest>& requests) {
+  std::vector<std::filesystem::path> paths;
+  for (const ModelRequest& request : requests)
+    if (is_plugin_path(request.name)) paths.emplace_back(request.name);
   return paths;
 }
 

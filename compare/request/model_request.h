@@ -44,6 +44,14 @@ struct BoundModel {
 /// The shared objects that the models come from.
 [[nodiscard]] std::vector<std::filesystem::path> objects_of(const std::vector<BoundModel>& models);
 
+/// The same of requests, before anything is loaded.
+[[nodiscard]] std::vector<std::filesystem::path> objects_among(
+    const std::vector<ModelRequest>& requests);
+
+/// Throws UsageError for a model or a key that is unknown or a value that is not allowed: cheap,
+/// before any work. Keys that a stack is named by are the caller's.
+void check_request(const ModelRequest& request);
+
 /// Builds a model from its name and key=value texts; `stack` serves models that need one. Throws
 /// UsageError that names the key, what was found and what is allowed.
 [[nodiscard]] BoundModel bind_model(const ModelRequest& request, const Stack* stack);

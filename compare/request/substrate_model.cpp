@@ -42,13 +42,20 @@ const std::vector<std::string>& surface_models() {
 }  // namespace
 
 Stack with_surface_model(Stack stack) {
-  if (!stack.substrate || stack.substrate->model.empty()) return stack;
+  if (!stack.substrate || stack.substrate->model.empty() ||
+      (stack.substrate->model == kConductor && stack.substrate->law))
+    return stack;
   Substrate& s = *stack.substrate;
   const std::vector<std::string>& allowed = surface_models();
-  if (std::find(allowed.begin(), allowed.end(), s.model) == allowed.end())
-    throw StackFileError(fmt::format(
-        "{}: substrate: key \"bsdf\": found \"{}\"; allowed below micrograins: black, {}",
-        s.where.at("bsdf"), s.model, listed(allowed)));
+  if (std::find(allowed.begin(), allowed.end(), s.model) == allowed.end()) {
+    std::vector<std::string> names = allowed;
+    names.insert(names.begin(), "black");
+    if (!stack.grains()) names.push_back(kConductor);
+    const std::string hint = suggestion(s.model, names);
+    throw StackFileError(fmt::format("{}: substrate: key \"bsdf\": found \"{}\"{}; allowed: {}",
+                                     s.where.at("bsdf"), s.model, hint.empty() ? "" : ", " + hint,
+                                     listed(names)));
+  }
   const ModelInfo* info = find_model(s.model);
   Parameters complete;
   for (const auto& [key, value] : s.parameters.all()) {

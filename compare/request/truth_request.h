@@ -31,6 +31,7 @@ struct TruthRequest {
   std::vector<Direction> directions = default_directions();
   std::optional<Estimator> estimator{};  ///< nothing: `auto`, whichever suits the stack
   /// Walks per incident direction and what ends them earlier; `seconds` of the solver: in all.
+  /// Where `given` names none of it the clock ends walks, too (first_look.h).
   StopRule effort{.walks = 1000000, .target_error = {}, .seconds = {}};
   WalkLimits limits{};  ///< where walks are cut and thinned; nothing: as the plan chooses
   /// The settings above that were asked for by name: with the estimator left open they are a reason

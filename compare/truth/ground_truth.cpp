@@ -57,7 +57,8 @@ GroundTruth::GroundTruth(TruthRequest request, Estimator of_walks, RunMonitor mo
     : request_(std::move(request)),
       of_walks_(of_walks),
       monitor_(std::move(monitor)),
-      plan_(plan_of(request_)) {
+      plan_(plan_of(request_)),
+      look_(request_, request_.directions.size()) {
   check_estimator(request_);
   for (const std::string& warning : plan_.warnings) monitor_.warn(warning);
 }
@@ -131,10 +132,12 @@ Truth GroundTruth::find(std::size_t k, std::optional<std::uint64_t> walks) {
   }
   truth.batches = std::make_unique<Simulation>(request_.stack, plan_, wi, estimator, request_.cells,
                                                request_.seed);
-  StopRule rule = request_.effort;
+  StopRule rule = walks ? request_.effort : look_.next();
   rule.walks = walks.value_or(rule.walks);
-  truth.run =
-      run_walks(*truth.batches, rule, fmt::format("theta_i {:g}", theta_degrees(wi)), monitor_);
+  const std::string label = fmt::format("theta_i {:g}", theta_degrees(wi));
+  truth.run = run_walks(*truth.batches, rule, label, monitor_);
+  if (look_.has_clock() && truth.run.walks < rule.walks && !is_stopped())
+    monitor_.warn(first_look_text(label, truth.run.walks, rule));
   return truth;
 }
 

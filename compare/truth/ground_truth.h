@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/request/first_look.h"
 #include "compare/request/run_monitor.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/estimator_choice.h"
@@ -43,8 +44,9 @@ class GroundTruth {
   /// Whether the k-th direction is still to be had: the first always, all until the monitor stops,
   /// and after it those that a solution answers, whichever nodes and modes it ended with.
   [[nodiscard]] bool goes_on(std::size_t k) const;
-  /// The truth of the k-th direction. A stop ends a walk at the next checkpoint. Warns where less
-  /// was reached than was asked for. `walks`: of this direction, where they are not the request's.
+  /// The truth of the k-th direction. A stop ends a walk at the next checkpoint; so does the clock
+  /// where nothing was asked of their effort (FirstLook). Warns where less was reached than was
+  /// asked for. `walks`: of this direction, where they are not the request's: no clock ends them.
   [[nodiscard]] Truth find(std::size_t k, std::optional<std::uint64_t> walks = {});
 
  private:
@@ -57,6 +59,7 @@ class GroundTruth {
   Plan plan_;
   std::optional<EstimatorChoice> choice_;
   std::vector<RunResult> solved_;  // one per direction, once the solver was used
+  FirstLook look_;
 };
 
 /// Runs walks until the rule says stop and reduces them. `label`: of the run, for the monitor,

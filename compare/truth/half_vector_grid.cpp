@@ -63,28 +63,40 @@ Direction HalfVectorGrid::node_wi(double mu_o, int alpha, int beta) {
   return raised_to(mirrored(wo, h), kLeastMu);
 }
 
-Rgb HalfVectorGrid::operator()(Direction wi, Direction wo) const {
-  const Direction h = wi + wo;
-  const double in_plane = std::hypot(h.x, h.y), far = std::hypot(wo.x, wo.y);
+HalfVectorGrid::Slice HalfVectorGrid::towards(Direction wo) const {
+  Slice slice;
+  slice.wo_ = wo;
+  slice.across_ = std::hypot(wo.x, wo.y);
+  const Between o = between(place_of_mu(wo.z), kOut);
+  constexpr std::size_t kCount = static_cast<std::size_t>(kAlpha) * kBeta;
+  const Rgb* near = values_.data() + static_cast<std::size_t>(o.node) * kCount;
+  slice.values_.resize(kCount);
+  for (std::size_t k = 0; k < kCount; ++k)
+    slice.values_[k] = (1 - o.fraction) * near[k] + o.fraction * near[kCount + k];
+  return slice;
+}
+
+Rgb HalfVectorGrid::Slice::operator()(Direction wi) const {
+  const Direction h = wi + wo_;
+  const double in_plane = std::hypot(h.x, h.y);
   // Where w_o is the normal every azimuth is the same; where h is, beta has no meaning.
-  const double cos_beta = in_plane > 0 && far > 0
-                              ? std::clamp((h.x * wo.x + h.y * wo.y) / (in_plane * far), -1.0, 1.0)
-                              : 1;
-  const double share = std::atan2(in_plane, h.z) / most_alpha(wo.z, cos_beta);
+  const double cos_beta =
+      in_plane > 0 && across_ > 0
+          ? std::clamp((h.x * wo_.x + h.y * wo_.y) / (in_plane * across_), -1.0, 1.0)
+          : 1;
+  const double share = std::atan2(in_plane, h.z) / most_alpha(wo_.z, cos_beta);
   const auto& u = alpha_nodes();
   const auto above = std::upper_bound(u.begin() + 1, u.end() - 1, share) - u.begin();
   const Between a{static_cast<int>(above) - 1,
                   std::clamp((share - u[above - 1]) / (u[above] - u[above - 1]), 0.0, 1.0)};
-  const Between o = between(place_of_mu(wo.z), kOut);
   const Between b = between(std::acos(cos_beta) / kPi * (kBeta - 1), kBeta);
-  Rgb sum;
-  for (int k = 0; k < 8; ++k) {
-    const int x = k & 1, y = k >> 1 & 1, z = k >> 2;
-    const double weight = (x ? o.fraction : 1 - o.fraction) * (y ? a.fraction : 1 - a.fraction) *
-                          (z ? b.fraction : 1 - b.fraction);
-    if (weight > 0) sum += weight * at(o.node + x, a.node + y, b.node + z);
-  }
-  return sum;
+  const auto at = [&](int alpha, int beta) {
+    return values_[static_cast<std::size_t>(alpha) * kBeta + static_cast<std::size_t>(beta)];
+  };
+  return (1 - a.fraction) *
+             ((1 - b.fraction) * at(a.node, b.node) + b.fraction * at(a.node, b.node + 1)) +
+         a.fraction *
+             ((1 - b.fraction) * at(a.node + 1, b.node) + b.fraction * at(a.node + 1, b.node + 1));
 }
 
 Direction raised_to(Direction w, double least) {

@@ -37,7 +37,20 @@ class HalfVectorGrid {
   }
 
   /// f at unit directions with cosines of at least kLeastMu.
-  [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const;
+  [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const { return towards(wo)(wi); }
+
+  /// f of one w_o: what lies between two nodes in mu_o is blended once, for many w_i.
+  class Slice {
+   public:
+    [[nodiscard]] Rgb operator()(Direction wi) const;
+
+   private:
+    friend class HalfVectorGrid;
+    Direction wo_{};
+    double across_ = 0;  // sine of w_o's angle
+    std::vector<Rgb> values_{};
+  };
+  [[nodiscard]] Slice towards(Direction wo) const;
 
   /// A place among nodes in mu_o, from 0 to kOut - 1: the inverse of node_mu.
   [[nodiscard]] static double place_of_mu(double mu_o);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "compare/request/errors.h"
+#include "compare/request/first_look.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/lobe_cells.h"
 #include "phase/stack/single_scattering.h"
@@ -25,6 +26,8 @@ constexpr double kTolerance = 1e-4, kStillUseful = 5e-3;
 // What `auto` lets the solver spend. Nodes and modes end it, not the clock: equal runs are equal.
 constexpr int kMostNodes = 64, kMostModes = 96;
 constexpr double kMostSeconds = 30;
+// Of walks whose number is not asked for.
+constexpr double kWalkSeconds = 60;
 // Incoming cosines between which solved modes are interpolated: less than a degree apart.
 constexpr int kSolvedCosines = 120;
 
@@ -34,7 +37,7 @@ Rgb order_one(const Stack& stack, Direction wi, Direction wo) {
 }
 
 // Scales stand at this many places for every step between two nodes in mu_o.
-constexpr std::size_t kScalesPerNode = 4;
+constexpr std::size_t kScalesPerNode = 8;
 
 // A place among equally spaced values, by the cubic through the four nearest.
 double interpolated(const std::vector<double>& v, double place) {
@@ -48,14 +51,17 @@ double interpolated(const std::vector<double>& v, double place) {
 
 }  // namespace
 
-Rgb LobeTable::operator()(Direction wi, Direction wo) const {
+std::function<Rgb(Direction)> LobeTable::towards(Direction wo) const {
   // Away from the limit: where both directions graze, single scattering has none.
-  const Direction i = raised_to(wi, Grid::kLeastMu), o = raised_to(wo, Grid::kLeastMu);
+  const Direction o = raised_to(wo, Grid::kLeastMu);
   const double place = kScalesPerNode * Grid::place_of_mu(o.z);
   const auto k = std::min(static_cast<std::size_t>(place), scales_.size() - 2);
   const double x = place - static_cast<double>(k);
   const Rgb scale = (1 - x) * scales_[k] + x * scales_[k + 1];
-  return order_one(stack_, i, o) + scale * rest_(i, o);
+  return [this, o, scale, rest = rest_.towards(o)](Direction wi) {
+    const Direction i = raised_to(wi, Grid::kLeastMu);
+    return order_one(stack_, i, o) + scale * rest(i);
+  };
 }
 
 std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const StopFlag* stop,
@@ -118,6 +124,8 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const
 void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
   const Plan plan = plan_of(request);
   double mirrored_by_flakes = 0;
+  FirstLook look(request, Grid::kOut, kWalkSeconds, kPreviewWalks);
+  std::uint64_t fewest = request.effort.walks;
   for (int o = 0; o < Grid::kOut; ++o) {
     // Reflection is reciprocal here: the walks begin where the viewer is.
     const double mu = Grid::node_mu(o);
@@ -125,7 +133,8 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
     for (int a = 0; a < Grid::kAlpha; ++a)
       for (int b = 0; b < Grid::kBeta; ++b) points.push_back(Grid::node_wi(mu, a, b));
     Simulation simulation(request.stack, plan, direction_from_mu_phi(mu, 0), points, request.seed);
-    run(simulation, {.walks = request.effort.walks, .target_error = {}, .seconds = {}}, {}, stop);
+    run(simulation, look.next(), {}, stop);
+    fewest = std::min(fewest, simulation.walks());
     RestEnergy energy;
     for (int c = 0; c < 3; ++c) {
       const int channel = std::min(c, plan.channels - 1);
@@ -164,8 +173,11 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
     }
     energies_.push_back(energy);
   }
-  source_ = fmt::format("{} next-event walks for each of {} outgoing cosines", request.effort.walks,
-                        Grid::kOut);
+  source_ =
+      fmt::format("{} next-event walks for each of {} outgoing cosines{}", fewest, Grid::kOut,
+                  fewest < request.effort.walks && !is_set(stop)
+                      ? fmt::format(" or more, of {} in {:g} s", request.effort.walks, kWalkSeconds)
+                      : "");
   // Straight on every azimuth is the same: what walks found at each of them is one value.
   for (int a = 0; a < Grid::kAlpha; ++a) {
     Rgb mean;
@@ -191,23 +203,31 @@ void LobeTable::scale_to_energies() {
     const auto raised = [](Direction wi) { return raised_to(wi, Grid::kLeastMu); };
     first[k] =
         lobe_cells([&](Direction wi) { return order_one(stack_, raised(wi), wo); }, mu).energy;
-    shape[k] = lobe_cells([&](Direction wi) { return rest_(raised(wi), wo); }, mu).energy;
+    shape[k] =
+        lobe_cells([&, rest = rest_.towards(wo)](Direction wi) { return rest(raised(wi)); }, mu)
+            .energy;
   });
   for (int c = 0; c < 3; ++c) {
-    std::vector<double> wanted;
+    // At the nodes: of the table's orders, and of all.
+    std::vector<double> rest, all;
+    bool total_is_better = true;
     for (std::size_t o = 0; o < energies_.size(); ++o) {
       const RestEnergy& e = energies_[o];
       const double order_one_energy = first[kScalesPerNode * o][c];
-      const bool total_is_better =
-          e.total_error[c] + kLobeTolerance * order_one_energy < e.direct_error[c];
-      wanted.push_back(
-          std::max(total_is_better ? e.total[c] - order_one_energy : e.direct[c], 0.0));
+      const bool better = e.total_error[c] + kLobeTolerance * order_one_energy < e.direct_error[c];
+      total_is_better = total_is_better && better;
+      rest.push_back(std::max(better ? e.total[c] - order_one_energy : e.direct[c], 0.0));
+      all.push_back(e.total[c]);
     }
-    for (std::size_t k = 0; k < count; ++k)
-      if (shape[k][c] > 0)
-        scales_[k][c] =
-            std::max(interpolated(wanted, static_cast<double>(k) / kScalesPerNode), 0.0) /
-            shape[k][c];
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!(shape[k][c] > 0)) continue;
+      // Order 1 is known everywhere: where the energy of all orders is better known it is what is
+      // interpolated, so that a white half space stays white between the nodes.
+      const double place = static_cast<double>(k) / kScalesPerNode;
+      const double wanted =
+          total_is_better ? interpolated(all, place) - first[k][c] : interpolated(rest, place);
+      scales_[k][c] = std::max(wanted, 0.0) / shape[k][c];
+    }
   }
 }
 

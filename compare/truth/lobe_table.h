@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,11 @@ inline constexpr std::uint64_t kPreviewWalks = 10000;
 class LobeTable {
  public:
   /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = HalfVectorGrid::kLeastMu.
-  [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const;
+  [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const { return towards(wo)(wi); }
+
+  /// The same as a function of w_i: the table is blended once per w_o. Must not outlive this
+  /// object.
+  [[nodiscard]] std::function<Rgb(Direction wi)> towards(Direction wo) const;
 
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
@@ -52,7 +57,7 @@ class LobeTable {
 
   Stack stack_;
   HalfVectorGrid rest_;               // orders 2 and up
-  std::vector<Rgb> scales_;           // of them at every node in mu_o and halfway between two
+  std::vector<Rgb> scales_;           // of them at every node in mu_o and between two
   std::vector<RestEnergy> energies_;  // of the nodes in mu_o
   std::string source_;
 };

@@ -10,10 +10,14 @@ namespace lamella {
 struct Pilot {
   Estimator best = Estimator::analog;
   double advantage = 1;  ///< time x variance of the other one over that of the best
+  /// Where next-event was not tried: about what its first walks would take.
+  double first_seconds = 0;
 };
 
-/// Runs both for a twentieth of a second each and compares seconds times variance: of the lobes'
-/// energies where a target error is what ends the run, else of all orders' cells. The answer may
+/// Runs both for a twentieth of a second each, or until they have 4096 walks, for a second at most,
+/// and compares seconds times variance: of the lobes' energies where a target error is what ends
+/// the run, else of all orders' cells. Next-event is not tried where its first walks would take
+/// longer than a second, by the price of its collisions on walks of a few orders. The answer may
 /// differ between runs where both are about as good: files record which one was taken. `plan`: of
 /// the request's stack.
 [[nodiscard]] Pilot pilot(const TruthRequest& request, const Plan& plan, Direction incident);

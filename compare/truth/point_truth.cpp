@@ -19,6 +19,10 @@ void refuse_double_grazing(const DirectionPair& pair) {
     throw std::invalid_argument("both cosines are 0; allowed: at most one");
 }
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 // The azimuth of w_o relative to w_i.
 double relative_azimuth(Direction wi, Direction wo) {
   return std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
@@ -28,7 +32,8 @@ double relative_azimuth(Direction wi, Direction wo) {
 
 std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                  const std::vector<DirectionPair>& pairs, std::uint64_t walks,
-                                 std::uint64_t seed, const StopFlag* stop) {
+                                 std::uint64_t seed, const StopFlag* stop,
+                                 std::optional<double> seconds) {
   struct Point {
     std::size_t pair;
     Direction wo;
@@ -55,13 +60,25 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
     }
     by_incident[key(wi)].push_back({k, wo, factor});
   }
+  const auto start = std::chrono::steady_clock::now();
+  std::size_t left = by_incident.size();
   for (auto& [incident, points] : by_incident) {
     std::stable_partition(points.begin(), points.end(), [](const Point& p) { return p.wo.z > 0; });
     std::vector<Direction> directions;
     for (const Point& p : points) directions.push_back(p.wo);
     const auto [x, y, z] = incident;
     Simulation simulation(stack, plan, {x, y, z}, directions, seed);
-    run(simulation, {.walks = walks, .target_error = {}, .seconds = {}}, {}, stop);
+    StopRule rule{.walks = walks, .target_error = {}, .seconds = {}};
+    if (seconds)
+      rule.seconds =
+          std::max(*seconds - seconds_since(start), 0.05 * *seconds) / static_cast<double>(left);
+    --left;
+    run(simulation, rule, {}, stop);
+    std::array<Estimate, 3> unresolved;
+    for (int c = 0; c < 3; ++c)
+      unresolved[c] = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        return b.energy.unresolved[std::min(c, plan.channels - 1)];
+      });
     const std::size_t count = points.size();
     for (std::size_t j = 0; j < count; ++j)
       for (int c = 0; c < 3; ++c) {
@@ -73,7 +90,11 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
           return sum;
         });
         values[points[j].pair].f[c] = points[j].factor * e.value;
-        values[points[j].pair].standard_error[c] = points[j].factor * e.standard_error;
+        TruthValue& value = values[points[j].pair];
+        value.standard_error[c] = points[j].factor * e.standard_error;
+        value.unresolved[c] = {points[j].factor * unresolved[c].value,
+                               points[j].factor * unresolved[c].standard_error};
+        value.walks = simulation.walks();
       }
   }
   return values;
@@ -104,8 +125,7 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
               .modes = solution.accuracy().modes,
               .error = solution.accuracy().error,
               .share = static_cast<double>(done) / static_cast<double>(order.size()),
-              .seconds =
-                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+              .seconds = seconds_since(start)});
   };
   for (std::size_t from = 0; from < order.size();) {
     tell(from);

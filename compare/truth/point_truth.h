@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +17,10 @@ namespace lamella {
 /// channel.
 struct TruthValue {
   Rgb f, standard_error;
+  std::uint64_t walks = 0;  ///< that found it; 0: the solver did
+  /// Per channel, the energy of the walks that were cut, of the light that came in. Where it would
+  /// have gone nobody knows (judge/missing_light.h).
+  std::array<Estimate, 3> unresolved{};
 };
 
 /// Next-event estimation at each pair, `walks` per incident direction. Where the stack is
@@ -22,11 +28,13 @@ struct TruthValue {
 /// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
 /// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
 /// The walks are on lanes of the plan's set where these have a kernel for the stack.
-/// `stop`, once set, ends each simulation at its next checkpoint.
+/// `stop`, once set, ends each simulation at its next checkpoint; `seconds`: of all of them, at
+/// whose end they have fewer walks.
 [[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                                const std::vector<DirectionPair>& pairs,
                                                std::uint64_t walks, std::uint64_t seed,
-                                               const StopFlag* stop = nullptr);
+                                               const StopFlag* stop = nullptr,
+                                               std::optional<double> seconds = {});
 
 /// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
 /// own cosines. standard_error is each pair's error bound.

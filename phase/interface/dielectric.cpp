@@ -79,6 +79,28 @@ Dielectric::Scattered Dielectric::scatter(Direction wi, RandomStream& stream) co
   return multiple ? scatter_multiple(wi, stream) : scatter_single(wi, stream);
 }
 
+Dielectric::Scattered Dielectric::enter(Direction wi, RandomStream& stream) const {
+  if (is_smooth()) {
+    const Refraction<double> r = smooth_refraction(wi);
+    if (r.cosine == 0) return {wi, 0};
+    return {smooth_refracted(wi, r.cosine), 1 - r.reflectance};
+  }
+  if (multiple) {
+    const Scattered s = scatter_multiple(wi, stream);
+    return {s.wo, s.wo.z * wi.z < 0 ? 1.0 : 0.0};
+  }
+  const double n = ratio(wi);
+  const bool from_below = wi.z < 0;
+  if (from_below) wi = -wi;
+  const double u1 = stream.uniform(), u2 = stream.uniform();
+  const Direction m = facets.visible_normal(wi, u1, u2);
+  const double cosine = dot(wi, m);
+  const Refraction<double> r = refraction(nonnegative(cosine), n);
+  const Direction wo = refracted_ray(wi, m, cosine, r.cosine, n);
+  if (!(r.cosine > 0 && cosine > 0 && wo.z < 0)) return {wi, 0};
+  return {from_below ? -wo : wo, (1 - r.reflectance) * facets.passes(masking, true, wi, lifted(wo))};
+}
+
 Dielectric::Scattered Dielectric::scatter_single(Direction wi, RandomStream& stream) const {
   const double n = ratio(wi);
   const bool from_below = wi.z < 0;

@@ -51,6 +51,10 @@ struct Dielectric {
   /// Where one ray of light from w_i goes, by Fresnel's shares.
   [[nodiscard]] Scattered scatter(Direction wi, RandomStream& stream) const;
 
+  /// Where light from w_i goes if it is refracted, `kept` being its share of the light: Fresnel's
+  /// share is in it rather than left to chance, except in multiple scattering.
+  [[nodiscard]] Scattered enter(Direction wi, RandomStream& stream) const;
+
   friend bool operator==(const Dielectric&, const Dielectric&) = default;
 
  private:

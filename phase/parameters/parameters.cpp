@@ -21,6 +21,8 @@ std::string kind_in_words(const ParameterInfo& info) {
       return "three numbers [x, y, z], not all zero";
     case ParameterKind::matrix:
       return "six numbers [xx, yy, zz, xy, xz, yz] of a symmetric positive definite matrix";
+    case ParameterKind::one_or_two:
+      return "a number or two numbers [along x, along y], each";
     case ParameterKind::choice:
       break;
   }
@@ -117,7 +119,9 @@ bool Parameters::has_color() const {
 
 std::string allowed_values(const ParameterInfo& info) {
   std::string text = kind_in_words(info);
-  if (info.kind != ParameterKind::number && info.kind != ParameterKind::color) return text;
+  if (info.kind != ParameterKind::number && info.kind != ParameterKind::color &&
+      info.kind != ParameterKind::one_or_two)
+    return text;
   const bool upper = std::isfinite(info.max) || !info.max_open;
   if (info.min == -std::numeric_limits<double>::infinity() && !std::isfinite(info.max)) return text;
   return text + fmt::format(" in {}{}, {}{}", info.min_open ? '(' : '[', to_text(info.min),
@@ -187,6 +191,17 @@ ParameterValue checked(const ParameterInfo& info, const ParameterValue& value) {
     case ParameterKind::matrix: {
       const auto* v = std::get_if<std::vector<double>>(&value);
       if (!v || v->size() != 6) throw refuse();
+      return *v;
+    }
+    case ParameterKind::one_or_two: {
+      if (const double* x = std::get_if<double>(&value)) {
+        if (!in_range(info, *x)) throw refuse();
+        return *x;
+      }
+      const auto* v = std::get_if<std::vector<double>>(&value);
+      if (!v || v->size() != 2 || !in_range(info, (*v)[0]) || !in_range(info, (*v)[1]))
+        throw refuse();
+      if ((*v)[0] == (*v)[1]) return (*v)[0];
       return *v;
     }
     case ParameterKind::choice: {

@@ -14,7 +14,8 @@
 
 namespace lamella {
 
-enum class ParameterKind { number, color, vector, matrix, choice };
+/// one_or_two: a number, or two that differ along x and along y.
+enum class ParameterKind { number, color, vector, matrix, choice, one_or_two };
 
 /// What a medium or a model says of one of its parameters: enough to read it, to check it, to echo
 /// it and to print its documentation.

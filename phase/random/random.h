@@ -16,7 +16,8 @@ enum class StreamPurpose : std::uint32_t {
   test = 2,
   model = 3,
   geometry = 4,
-  measure = 5
+  measure = 5,
+  ways = 6
 };
 
 /// Counter-based random numbers: (seed, index, purpose, position) -> number, so that a walk has the

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "phase/stack/coated_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "phase/stack/text_file.h"
 
@@ -137,6 +138,7 @@ std::vector<BuiltinStack> make_list() {
   for (const double r : {0.025, 0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0})
     list.push_back({fmt::format("vmf_r_{}", r), fmt::format("r = {}, albedo 0.9", r),
                     vmf + ", figure 4", vmf_half_space(r, "0.9")});
+  for (BuiltinStack& stack : coated_stacks()) list.push_back(std::move(stack));
   const auto kd = std::find_if(list.begin(), list.end(),
                                [](const auto& s) { return s.name == "lambert_sphere_kd"; });
   // c = (1 - (1 - k)^2.73556) / (1 - 0.184096 (1 - k)^2.48423)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "phase/grains/grain_geometry.h"
+#include "phase/interface/interfaces.h"
 #include "phase/medium/medium.h"
 #include "phase/surface/surface_law.h"
 
@@ -33,7 +34,8 @@ struct GridReference {
   std::string where;  ///< "cloth.toml:5: layer 0", for errors
 };
 
-/// One plane-parallel layer. Only depth() counts for the light, unless a grid varies it.
+/// An entry of the list of layers: a plane-parallel layer of a medium, of which only depth() counts
+/// for the light unless a grid varies it; or an interface, of zero thickness; or explicit geometry.
 struct Layer {
   std::string medium_name;
   Parameters parameters;  ///< the medium's own, complete: for echo
@@ -46,20 +48,25 @@ struct Layer {
   std::optional<GridReference> grid = {};
   /// Explicit geometry in the place of the medium, which then has no meaning.
   std::optional<GrainGeometry> grains = {};
+  /// An interface in the place of the medium, which then has no meaning: thickness and density 0.
+  std::optional<Interface> interface = {};
 
   /// thickness times density, dimensionless; infinity for a half space.
   [[nodiscard]] double depth() const { return thickness * density; }
 };
 
+/// Substrate::model of a conductor.
+inline constexpr char kConductor[] = "conductor";
+
 /// An opaque surface below the last layer: Lambertian, or black at albedo 0. Below micrograins it
 /// may reflect by a closed form instead.
 struct Substrate {
   Rgb albedo{0};            ///< of Lambert's law, in [0, 1]; without meaning where there is a model
-  std::string model{};      ///< name of a closed form, or empty
+  std::string model{};      ///< "conductor", name of a closed form, or empty
   Parameters parameters{};  ///< its own, for echo
   std::map<std::string, std::string, std::less<>> where{};  ///< of each key, for errors: "a.toml:7"
   std::shared_ptr<const SurfaceLaw>
-      law{};  ///< the model itself: compare/request/substrate_model.h makes it
+      law{};  ///< a conductor, or the model: compare/request/substrate_model.h makes it
 };
 
 /// Layers from the top down, and what lies below.
@@ -72,6 +79,15 @@ struct Stack {
   [[nodiscard]] const GrainGeometry* grains() const;
   /// Throws std::invalid_argument if the stack is explicit geometry: `what` has no meaning then.
   void require_layers(const char* what) const;
+  /// Whether the light meets boundaries that a walk through layers alone does not know: interfaces
+  /// that change the index, or a substrate that is neither Lambert's nor black.
+  [[nodiscard]] bool has_boundaries() const;
+  /// Whether an interface changes the index.
+  [[nodiscard]] bool has_interfaces() const;
+  /// Whether one that changes it is rough: then light that met interfaces alone is no delta.
+  [[nodiscard]] bool has_rough_interfaces() const;
+  /// Index of refraction of a layer; of layers.size(): of what lies below them all.
+  [[nodiscard]] double index_of(std::size_t layer) const;
   [[nodiscard]] bool is_half_space() const;
   /// Whether light can come from below, and leave there.
   [[nodiscard]] bool is_open_below() const { return !substrate && !is_half_space(); }
@@ -96,6 +112,10 @@ struct Stack {
 /// Throws std::invalid_argument if a grid varies a layer of the stack: `what` knows homogeneous
 /// layers only.
 void refuse_grid(const Stack& stack, const std::string& what);
+
+/// Throws std::invalid_argument if the stack has boundaries: `what` knows layers over Lambert's
+/// substrate or none.
+void refuse_boundaries(const Stack& stack, const std::string& what);
 
 /// Same layers with every albedo, substrate albedo and f0 at 1: what a white furnace wants.
 [[nodiscard]] Stack whitened(Stack stack);

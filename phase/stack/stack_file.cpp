@@ -44,7 +44,7 @@ const ParameterInfo kDensity{.name = "density",
 const ParameterInfo kBsdf{.name = "bsdf",
                           .kind = ParameterKind::choice,
                           .unit = "1",
-                          .doc = "lambert, or black (albedo 0)",
+                          .doc = "lambert, black (albedo 0), conductor, or a closed form",
                           .default_value = "lambert",
                           .choices = {"lambert", "black"}};
 
@@ -66,16 +66,6 @@ constexpr double kMostVoxels = 1 << 20, kFarthestVoxel = 1 << 30;
 // Lengths [mm] of a grid, so that voxel sizes and their inverses stay far from the ends of double.
 constexpr double kSmallestLength = 1e-6, kLargestLength = 1e6;
 
-// A TOML string. Names with control characters are refused before.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
-
 class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {}
@@ -91,11 +81,16 @@ class Reader {
       if (key != "layer" && key != "substrate")
         fail(key.source(), unknown_key(key.str(), {"layer", "substrate"}, "the stack"));
     const toml::node* layers = root.get("layer");
-    if (!layers)
+    // A surface may stand alone.
+    static const toml::array nothing;
+    if (!layers && !root.get("substrate"))
       throw StackFileError(fmt::format(
-          "{}:1: key \"layer\": found nothing; allowed: one or more [[layer]] tables", file_));
-    const toml::array* array = layers->as_array();
-    if (!array || array->empty() || !array->is_homogeneous(toml::node_type::table))
+          "{}:1: key \"layer\": found nothing; allowed: one or more [[layer]] tables, or a "
+          "[substrate] alone",
+          file_));
+    const toml::array* array = layers ? layers->as_array() : &nothing;
+    if (!array || (layers && array->empty()) ||
+        !(array->empty() || array->is_homogeneous(toml::node_type::table)))
       fail(layers->source(), fmt::format("key \"layer\": found {}; allowed: one or more [[layer]] "
                                          "tables",
                                          described(*layers)));
@@ -109,6 +104,19 @@ class Reader {
             fmt::format("layer {}: key \"medium\": found \"{}\" among {} layers; allowed: explicit "
                         "geometry as the only layer, over a [substrate] or none",
                         index, layer.medium_name, array->size()));
+      if (layer.interface && (stack.has_grid() || stack.grains()))
+        fail(
+            node.as_table()->get("interface")->source(),
+            fmt::format("layer {}: key \"interface\": found \"{}\" beside {}; allowed: layers "
+                        "without grids, whose walk knows no interfaces",
+                        index, layer.medium_name, stack.grains() ? "explicit geometry" : "a grid"));
+      if (layer.grid && stack.layers.size() > 1 &&
+          std::any_of(stack.layers.begin(), stack.layers.end(),
+                      [](const Layer& l) { return l.interface.has_value(); }))
+        fail(node.as_table()->get("grid")->source(),
+             fmt::format("layer {}: key \"grid\": found {} beside an interface; allowed: layers "
+                         "without grids, whose walk knows no interfaces",
+                         index, described(*node.as_table()->get("grid"))));
       if (std::isinf(layer.thickness) && node.as_table() != array->back().as_table())
         fail(array->get(index)->as_table()->get("thickness")->source(),
              fmt::format("layer {}: key \"thickness\": found inf; allowed: a finite number in "
@@ -126,7 +134,7 @@ class Reader {
         fail(substrate->source(),
              "key \"substrate\": found a substrate below an infinite layer; allowed: a substrate "
              "below layers of finite thickness, or none");
-      stack.substrate = read_substrate(*table, stack.grains() && !stack.grains()->is_bed());
+      stack.substrate = read_substrate(*table, stack);
     }
     // Micrograins are halves: there is always a plane that they stand on.
     if (stack.grains() && !stack.grains()->is_bed() && !stack.substrate)
@@ -202,12 +210,20 @@ class Reader {
 
   Layer read_layer(const toml::table& table, int index) const {
     const std::string where = fmt::format("layer {}", index);
+    if (const toml::node* interface = table.get("interface")) {
+      if (const toml::node* medium = table.get("medium"))
+        fail(medium->source(), fmt::format("{}: key \"medium\": found {} beside \"interface\"; "
+                                           "allowed: one of the two",
+                                           where, described(*medium)));
+      return read_interface(table, *interface, where);
+    }
     std::vector<std::string> names;
     for (const MediumInfo& info : media()) names.push_back(info.name);
     for (const GeometryInfo& info : geometries()) names.push_back(info.name);
     const toml::node* medium = table.get("medium");
     if (!medium)
-      fail(table.source(), fmt::format("{}: key \"medium\": found nothing; allowed: one of {}",
+      fail(table.source(), fmt::format("{}: key \"medium\": found nothing; allowed: one of {} (or "
+                                       "\"interface\")",
                                        where, listed(names)));
     const toml::value<std::string>* name = medium->as_string();
     if (const GeometryInfo* geometry = name ? find_geometry(name->get()) : nullptr)
@@ -253,6 +269,34 @@ class Reader {
       const toml::node* node = table.get(error.key);
       fail(node ? node->source() : table.source(), fmt::format("{}: {}", where, error.what()));
     }
+  }
+
+  // A boundary of zero thickness: none of a medium's keys is taken.
+  Layer read_interface(const toml::table& table, const toml::node& node,
+                       const std::string& where) const {
+    std::vector<std::string> names;
+    for (const InterfaceInfo& info : interfaces()) names.push_back(info.name);
+    const auto* name = node.as_string();
+    const InterfaceInfo* info = name ? find_interface(name->get()) : nullptr;
+    if (!info) {
+      const std::string hint = name ? suggestion(name->get(), names) : "";
+      fail(node.source(),
+           fmt::format("{}: key \"interface\": found {}{}; allowed: one of {}", where,
+                       described(node), hint.empty() ? "" : " (" + hint + ")", listed(names)));
+    }
+    Layer layer{.medium_name = info->name,
+                .parameters = read_keys(table, info->parameters, {"interface"},
+                                        where + fmt::format(", a {} interface", info->name)),
+                .medium = HenyeyGreenstein{0},
+                .thickness = 0,
+                .density = 0};
+    try {
+      layer.interface = info->make(layer.parameters);
+    } catch (const ParameterError& error) {
+      const toml::node* at = table.get(error.key);
+      fail(at ? at->source() : table.source(), fmt::format("{}: {}", where, error.what()));
+    }
+    return layer;
   }
 
   // The grid of a layer, if it names one: kGridKeys.
@@ -398,10 +442,18 @@ class Reader {
     return layer;
   }
 
-  // Below micrograins any closed form may stand, whose name and keys another room knows.
-  Substrate read_substrate(const toml::table& table, bool below_micrograins) const {
+  // The surface below: Lambert's, black, a conductor, or any closed form, whose name and keys
+  // another room knows. Beds of grains and grids walk above Lambert's alone.
+  Substrate read_substrate(const toml::table& table, const Stack& stack) const {
     const auto name = table["bsdf"].value<std::string>();
-    if (below_micrograins && name && *name != "lambert" && *name != "black") {
+    const bool simple = !name || *name == "lambert" || *name == "black";
+    const bool bed = stack.grains() && stack.grains()->is_bed();
+    if (!simple && (bed || stack.has_grid()))
+      fail(table.get("bsdf")->source(),
+           fmt::format("substrate: key \"bsdf\": found \"{}\" below {}; allowed: lambert, black",
+                       *name, bed ? "a bed of grains" : "a grid"));
+    if (name && *name == kConductor && !stack.grains()) return read_conductor(table, stack);
+    if (!simple) {
       Substrate substrate{.model = *name};
       for (const auto& [key, node] : table) {
         substrate.where.emplace(key.str(), fmt::format("{}:{}", file_, key.source().begin.line));
@@ -424,6 +476,20 @@ class Reader {
     return {};
   }
 
+  Substrate read_conductor(const toml::table& table, const Stack& stack) const {
+    Substrate substrate{
+        .model = kConductor,
+        .parameters = read_keys(table, conductor_parameters(), {"bsdf"}, "substrate")};
+    try {
+      substrate.law = std::make_shared<Conductor>(
+          conductor_setting(substrate.parameters, stack.index_of(stack.layers.size())));
+    } catch (const ParameterError& error) {
+      const toml::node* node = table.get(error.key);
+      fail(node ? node->source() : table.source(), fmt::format("substrate: {}", error.what()));
+    }
+    return substrate;
+  }
+
   std::string file_;
 };
 
@@ -437,50 +503,6 @@ Stack parse_stack(std::string_view text, const std::string& file, std::string na
     throw StackFileError(fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line,
                                      one_line(error.description())));
   }
-}
-
-namespace {
-
-std::string grid_text(const GridReference& grid) {
-  std::string text =
-      fmt::format("grid = {}\nsize = [{}, {}]\ngrid_albedo = \"{}\"\n", quoted(grid.file),
-                  to_text(grid.size_x), to_text(grid.size_y), grid.white ? "white" : "file");
-  for (std::size_t k = 0; k < grid.names.size(); ++k)
-    if (!grid.names[k].empty())
-      text += fmt::format("{} = {}\n", kGridNameKeys[k], quoted(grid.names[k]));
-  if (grid.voxels) {
-    const auto& n = *grid.voxels;
-    const auto& first = grid.first_voxel;
-    text += fmt::format("voxels = [{}, {}, {}]\nfirst_voxel = [{}, {}, {}]\n", n[0], n[1], n[2],
-                        first[0], first[1], first[2]);
-  }
-  return text;
-}
-
-}  // namespace
-
-std::string to_toml(const Stack& stack) {
-  std::string text;
-  for (const Layer& layer : stack.layers) {
-    text += fmt::format("[[layer]]\nmedium = \"{}\"\n", layer.medium_name);
-    for (const auto& [key, value] : layer.parameters.all())
-      text += fmt::format("{} = {}\n", key, to_text(value));
-    text += fmt::format("albedo = {}\n", to_text(layer.albedo));
-    if (!layer.grains)
-      text += fmt::format("thickness = {}\ndensity = {}\n", to_text(layer.thickness),
-                          to_text(layer.density));
-    if (layer.grid) text += grid_text(*layer.grid);
-    text += '\n';
-  }
-  if (stack.substrate && !stack.substrate->model.empty()) {
-    text += fmt::format("[substrate]\nbsdf = \"{}\"\n", stack.substrate->model);
-    for (const auto& [key, value] : stack.substrate->parameters.all())
-      text += fmt::format("{} = {}\n", key, to_text(value));
-  } else if (stack.substrate) {
-    text += fmt::format("[substrate]\nbsdf = \"lambert\"\nalbedo = {}\n",
-                        to_text(ParameterValue(stack.substrate->albedo)));
-  }
-  return text;
 }
 
 }  // namespace lamella

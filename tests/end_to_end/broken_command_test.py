@@ -20,7 +20,7 @@ class BrokenCommandLines(ProgramTest):
         self.refused(["simulate", "--walk", "3"], '"--walk"', 'did you mean "--walks"?', "allowed:")
         self.refused(["models", "--walks", "3"], '"--walks"', "allowed: --help, --json, --quiet")
         self.refused(["simulate", "sggx_slab", "hg_slab"], "simulate", '"hg_slab"')
-        self.refused(["simulate", "--walks"], "--walks", "missing")
+        self.refused(["simulate", "--walks"], "--walks: found nothing; allowed: N (see lamella simulate --help)")
         self.refused(["eval", "lambert"], "--pairs", "required")
         self.refused(["eval"], "MODEL", "required")
 

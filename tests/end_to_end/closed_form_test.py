@@ -45,7 +45,7 @@ class ClosedFormCommands(ProgramTest):
 
     def test_invert_says_which_colours_can_be_had(self):
         answer = self.lamella("invert", "fon", "roughness=1", "color=0.95", status=2)
-        self.assertIn('key "albedo": found 0.95; allowed: from 0', answer.err)
+        self.assertIn('key "color": found 0.95; allowed: from 0', answer.err)
         self.assertIn("albedo 1", answer.err)
         self.lamella("invert", "fon", status=2)
         self.lamella("invert", "fon", "color=0.5", "albedo=1", status=2)
@@ -73,6 +73,24 @@ class ClosedFormCommands(ProgramTest):
             self.assertAlmostEqual(extreme["energy"], 1, delta=1e-12)
         self.assertAlmostEqual(fon["least"]["energy"], 0.7764, delta=1e-3)
         self.assertEqual(fon["least"]["parameters"], "roughness=1")
+        for sweep in (eon, fon):
+            self.assertTrue(0 < sweep["worst_error"] < 1e-6)
+        table = self.lamella("furnace", "--sweep", "--model", "eon").out.splitlines()
+        self.assertEqual(table[0].split(" | ")[-1], "error |")
+        self.assertRegex(table[2], r"\| [0-9]e-[0-9]+ \|$")
+
+    def test_furnaces_of_models_name_no_stack_that_they_know_nothing_of(self):
+        self.assertNotIn("stack", self.json_of("furnace", "--model", "eon", "--wi", "60", "--quiet"))
+        named = self.json_of("furnace", "sggx_slab", "--model", "eon", "--wi", "60", "--quiet")
+        self.assertEqual(named["stack"]["name"], "sggx_slab")
+        own = self.json_of("furnace", "--model", "single_scattering,stack=hg_slab", "--wi", "60", "--max-error", "9",
+                           "--quiet")
+        self.assertEqual(own["stack"]["name"], "hg_slab")
+
+    def test_samplers_tell_the_error_of_the_albedo(self):
+        answer = self.json_of("samplers", "--model", "vmf_diffuse,roughness=0.5", "--samples", "1000", "--quiet")
+        for row in answer["models"][0]["rows"]:
+            self.assertTrue(0 <= row["albedo_error"] < 1e-6)
 
     def test_stochastic_models_give_their_standard_error(self):
         pairs = self.write("pairs.csv", "theta_i,phi_i,theta_o,phi_o\n60,0,30,50\n")

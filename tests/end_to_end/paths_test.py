@@ -1,5 +1,6 @@
 """Files that a stack or a command line names: found again from whatever is written elsewhere."""
 
+import hashlib
 import json
 import os
 import pathlib
@@ -127,6 +128,54 @@ class GridsThatAStackNamesRelativeToItself(Files):
         self.assertEqual((self.folder / "a.exr").read_bytes(), (self.folder / "b.exr").read_bytes())
 
 
+def sha256(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+class WhatWasRead(Files):
+    def files_of(self, *arguments):
+        return self.json_of(*arguments, "--quiet").get("files")
+
+    @unittest.skipUnless(WITH_OPENVDB, "without OpenVDB there are no grid files")
+    def test_grids_stand_in_every_answer(self):
+        self.make_cloth()
+        expected = [{"name": "in/c.vdb", "sha256": sha256(self.folder / "in/c.vdb")}]
+        few = ["--walks", "1000", "--wi", "60"]
+        for arguments in (["simulate", "in/cloth.toml", *few], ["furnace", "in/cloth.toml", *few],
+                          ["homogenise", "in/cloth.toml", *few, "--grid", "2x4"],
+                          ["furnace", "in/cloth.toml", "--model", "lambert", "--wi", "60"],
+                          ["explain", "in/cloth.toml"],
+                          ["invert", "in/cloth.toml", "albedo=0.02", "--walks", "1000"]):
+            with self.subTest(arguments[0]):
+                self.assertEqual(self.files_of(*arguments), expected)
+
+    def test_pictures_and_shared_objects_do_too(self):
+        shutil.copy(PLUGIN, self.folder)
+        plugin = {"name": "minnaert.so", "sha256": sha256(self.folder / "minnaert.so")}
+        small = ["--size", "16"]
+        self.lamella("preview", "lambert_sphere_halfspace", "--model", "lambert", *small, "--quiet", "-o", "light")
+        picture = "light/sphere_lamp.exr"
+        seen = self.files_of("preview", "lambert_sphere_halfspace", "--model", "./minnaert.so,albedo=0.5", *small,
+                             "--environment", picture, "-o", "out")
+        self.assertEqual(seen, [plugin, {"name": picture, "sha256": sha256(self.folder / picture)}])
+        recorded = self.json_of("show", "out/plane_environment.exr", "--quiet")["attributes"]["lamella.files"]
+        self.assertEqual(recorded, f"{plugin['sha256']}  ../minnaert.so\n"
+                         f"{sha256(self.folder / picture)}  ../{picture}\n")
+        for arguments in (["furnace", "--model", "./minnaert.so,albedo=0.5", "--wi", "60", "--max-error", "9"],
+                          ["samplers", "--model", "./minnaert.so,albedo=0.5", "--samples", "100"],
+                          ["invert", "./minnaert.so", "albedo=0.2"]):
+            with self.subTest(arguments[0]):
+                self.assertEqual(self.files_of(*arguments), [plugin])
+
+    @unittest.skipUnless(WITH_OPENVDB, "without OpenVDB there are no grid files")
+    def test_a_sweep_warns_of_a_grid_once(self):
+        self.make_cloth()
+        text = (self.folder / "in/cloth.toml").read_text()
+        self.write("in/wide.toml", text.replace("size = [1, 1]", "size = [3, 3]"))
+        answer = self.lamella("sweep", "in/wide.toml", "--set", "layer.0.albedo=0.2,0.5,0.8", *QUICK, "-o", "out")
+        self.assertEqual(answer.err.count("warning"), 1, answer.err)
+
+
 class ModelsOfSharedObjects(Files):
     MODEL = "./minnaert.so,albedo=0.6,k=0.8"
 
@@ -152,6 +201,14 @@ class ModelsOfSharedObjects(Files):
         self.assertIn('"../minnaert.so"', self.refused("rerun", "again/elsewhere/out/minnaert.exr"))
         # The truth needs no model.
         self.same("again/elsewhere/out/truth.exr")
+
+    def test_a_file_of_a_model_names_its_object_relative_to_itself(self):
+        self.move("minnaert.so", to="mine")
+        for text in ("./minnaert.so,albedo=0.6,k=0.8", "minnaert.so,k=0.8,albedo=0.6,0.6,0.6"):
+            self.write("mine/model.txt", f"# mine\n{text}\n")
+            answer = self.json_of("compare", "sggx_slab", "--model", "@mine/model.txt", *QUICK, "-o", "out")
+            self.assertEqual(answer["files"][0]["name"], "mine/minnaert.so")
+        self.same("out/minnaert.exr")
 
     def test_a_rerun_refuses_another_object(self):
         self.lamella("compare", "sggx_slab", "--model", self.MODEL, *QUICK, "-o", "out")

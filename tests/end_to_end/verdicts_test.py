@@ -2,7 +2,7 @@
 
 import unittest
 
-from lamella_program import ProgramTest
+from lamella_program import WITH_CERES, ProgramTest
 
 WHITE = '[[layer]]\nmedium = "henyey_greenstein"\nalbedo = 1\nthickness = inf\n'
 HALF = WHITE.replace("albedo = 1", "albedo = 0.9")
@@ -77,6 +77,41 @@ class CutWalks(ProgramTest):
                            "--wi", "60", "--grid", "4x8").out
         self.assertRegex(out, r"differs by \d{3,} %")
         self.assertNotRegex(out, r"differs by [0-9.]*e")
+
+
+    def test_values_at_pairs_carry_what_was_cut(self):
+        self.write("white.toml", WHITE)
+        self.write("p.csv", "theta_i,phi_i,theta_o,phi_o\n60,0,30,50\n")
+        first = ["eval", "truth", "stack=white.toml", "walks=2e4", "--pairs", "p.csv", "--max-order", "1"]
+        answer = self.lamella(*first)
+        f, se = (float(x) for x in answer.out.splitlines()[1].split(",")[4:])
+        whole = self.lamella("eval", "truth", "stack=white.toml", "--pairs", "p.csv").out
+        exact = float(whole.splitlines()[1].split(",")[4])
+        self.assertGreater(exact, 2 * f)
+        self.assertLess(exact, f + 3 * se)
+        self.assertIn("walks that were cut after 1 events hold", answer.err)
+        self.assertIn("--max-order", answer.err)
+
+    @unittest.skipUnless(WITH_CERES, "without Ceres nothing is fitted")
+    def test_fits_say_what_their_truth_lacks(self):
+        few = ["--walks", "1e5", "--quiet"]
+        cut = self.json_of("fit", "sggx_slab", *few, "--max-order", "3")
+        whole = self.json_of("fit", "sggx_slab", *few)
+        for residue in cut["residues"]:
+            self.assertGreater(residue["energy_missing"], 0.005)
+            self.assertGreater(residue["noise"], residue["energy_missing"])
+        self.assertLess(max(r["energy_missing"] for r in whole["residues"]), 1e-3)
+        self.assertIn("walks were cut after 3 events", self.lamella("fit", "sggx_slab", "--walks", "1e4",
+                                                                    "--max-order", "3").out)
+
+    def test_a_sweep_ends_as_its_comparisons_do(self):
+        # All of the difference may be what was cut: by the certain part no model is off.
+        few = ["--model", "chandrasekhar", "--walks", "2e5", "--max-order", "20", "--wi", "60", "--grid", "4x8",
+               "--max-error", "0.05", "--quiet"]
+        self.write("white.toml", WHITE)
+        self.lamella("compare", "white.toml", *few, "-o", "one")
+        self.lamella("sweep", "white.toml", "--set", "layer.0.albedo=1", *few, "-o", "many")
+        self.lamella("sweep", "white.toml", "--set", "layer.0.albedo=1", *few, "-o", "many")
 
 
 class SideBySide(ProgramTest):

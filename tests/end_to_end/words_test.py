@@ -96,7 +96,11 @@ class AColour(ProgramTest):
         rows = self.lamella("eval", "eon.albedo", f"albedo={albedo}", "roughness=1", "--pairs", "p.csv").out
         for value, asked in zip(rows.splitlines()[1].split(",")[4:], (0.8, 0.4, 0.1)):
             self.assertAlmostEqual(float(value), asked, places=7)
-        self.assertIn('key "albedo"', self.lamella("invert", "eon", "albedo=2", status=2).err)
+        # Errors name the key that was typed.
+        for key in ("albedo", "color"):
+            for what in ("eon", "sggx_slab"):
+                for bad in ("2", "x", "", "0.1,0.2"):
+                    self.assertIn(f'{what}: key "{key}"', self.lamella("invert", what, f"{key}={bad}", status=2).err)
         self.assertIn("second", self.lamella("invert", "eon", "albedo=0.2", "color=0.3", status=2).err)
 
 
@@ -118,6 +122,27 @@ class Tables(ProgramTest):
                     if line.startswith(" "):
                         self.assertLessEqual(len(line), WIDTH, line)
         self.assertLess(len(self.lines_of("samplers", "--samples", "100")), 25)
+
+    def test_of_comparisons_fit_a_screen(self):
+        for arguments in (["compare", "sggx_slab", "--walks", "1000"],
+                          ["compare", "lambert_sphere_halfspace", "--max-order", "20", "--walks", "1000"],
+                          ["compare", "sphere_bed_dense", "--walks", "1000", "--wi", "60"]):
+            with self.subTest(" ".join(arguments)):
+                for line in self.lines_of(*arguments, "--quiet", "-o", "out") + \
+                        (self.folder / "out/summary.txt").read_text().splitlines()[1:]:
+                    self.assertLessEqual(len(line), WIDTH, line)
+
+    def test_of_plans_figures_and_grids_fit_a_screen(self):
+        for stack in ("spongecake_plant", "vmf_sand", "woven_cloth", "sphere_bed_dense"):
+            for line in self.lines_of("explain", stack):
+                self.assertLessEqual(len(line), WIDTH, line)
+        for arguments in (["grid"], ["reproduce"], ["grid", "weave", "voxels=16", "-o", "cloth.vdb"],
+                          ["reproduce", "lambert_sphere_dilute", "--walks", "2000", "-o", "dilute"],
+                          ["reproduce", "micrograin_figure_5", "--walks", "2000", "-o", "normals"],
+                          ["reproduce", "vmf_figure_6", "--walks", "2000", "-o", "six"]):
+            with self.subTest(" ".join(arguments)):
+                for line in self.lines_of(*arguments):
+                    self.assertLessEqual(len(line), WIDTH, line)
 
     def test_sweep_prints_its_result(self):
         arguments = ["sweep", "lambert_sphere_halfspace", "--set", "layer.0.albedo=0.5,0.9", "--walks", "1e4",

@@ -71,6 +71,8 @@ std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
   if (plan.has_grids()) return "lanes have no kernel for density grids";
   if (stack.grains()) return "explicit geometry is traced in double";
+  if (plan.boundaries)
+    return "lanes have no kernel for interfaces and for substrates beyond Lambert's law";
   if (plan.layers.empty()) return "no layer has depth: there is nothing to walk through";
   const std::size_t parts = lane_parts(stack, plan).size();
   if (parts > kMostLaneLayers)

@@ -22,6 +22,8 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
             .folded = false,
             .single_layer = false,
             .uniform_medium = false,
+            .boundaries = stack.has_boundaries(),
+            .rough_boundaries = stack.has_rough_interfaces(),
             .transmits = stack.is_open_below(),
             .max_order = limits.max_order.value_or(kMaxOrder),
             .layers = {},

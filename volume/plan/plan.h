@@ -7,6 +7,7 @@
 
 #include "phase/lanes/isa.h"
 #include "phase/stack/stack.h"
+#include "volume/result/tally.h"
 #include "volume/result/thinning.h"
 
 namespace lamella {
@@ -25,6 +26,8 @@ struct Plan {
   bool folded = true;                   ///< azimuthally symmetric: phi and -phi share a cell
   bool single_layer = true;             ///< no layer to look up
   bool uniform_medium = true;           ///< all layers hold the same kind of medium
+  bool boundaries = false;              ///< interfaces, or a substrate beyond Lambert's law
+  bool rough_boundaries = false;        ///< some of them rough: order 0 is a lobe
   bool transmits = true;                ///< light can leave below: tallies for that side
   std::uint64_t max_order = kMaxOrder;  ///< walks are cut after this many events, as unresolved
   Thinning thinning{};                  ///< of long walks, where it pays
@@ -38,6 +41,8 @@ struct Plan {
   /// What is odd about their files, one line each, for people.
   std::vector<std::string> warnings;
 
+  /// Slots of orders in a tally: order 0 has one where there are interfaces.
+  [[nodiscard]] int order_slots() const { return boundaries ? kZeroSlot + 1 : kTallyOrders; }
   [[nodiscard]] bool has_grids() const { return !grids.empty(); }
 };
 

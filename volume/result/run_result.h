@@ -19,13 +19,20 @@ struct LobeEstimate {
   std::vector<double> value, standard_error;
 };
 
+/// Among SideResult::lobes, those of order 0 and of orders 1 and up.
+inline constexpr int kZeroLobe = kTallyOrders + 1, kScatteredLobe = kTallyOrders + 2;
+
 /// What simulate gives for one incident direction; sides are relative to it.
 struct SideResult {
   std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
-  std::array<Estimate, 3> specular{};  ///< the part of `total` that met delta flakes only
+  std::array<Estimate, 3> specular{};  ///< the part of `total` that met deltas only
+  std::array<Estimate, 3> zero{};      ///< of order 0: interfaces alone, `uncollided` apart
   std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
-  /// Lobes 1, 2, 3, 4+, all; empty if light cannot leave here.
-  std::array<LobeEstimate, kTallyOrders + 1> lobes{};
+  /// Lobes 1, 2, 3, 4+, all (kTallyOrders); where a rough interface makes a lobe of order 0, that
+  /// one and the sum of the others. Empty if light cannot leave here. Deltas are in none.
+  std::array<LobeEstimate, kTallyOrders + 3> lobes{};
+
+  [[nodiscard]] bool has_zero_lobe() const { return !lobes[kZeroLobe].value.empty(); }
 };
 
 /// What is known of one incident direction, whichever estimator found it. Where the deterministic
@@ -42,16 +49,22 @@ struct RunResult {
   double seconds = 0;
   SideResult reflected, transmitted;
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
+  std::array<Estimate, 3> lost{};  ///< by single scattering at rough interfaces
   std::array<Estimate, 3> thinned{};  ///< by walks that ended for others to count double: noise
   std::optional<DeterministicAccuracy> accuracy{};
 
   [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }
 };
 
+/// Whether single scattering at rough interfaces has lost light.
+[[nodiscard]] inline bool has_loss(const RunResult& run) {
+  return run.lost[0].value > 0 || run.lost[1].value > 0 || run.lost[2].value > 0;
+}
+
 /// The sum of all parts of the ledger, 1 up to rounding.
 [[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {
   return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
-         run.absorbed[c].value + run.unresolved[c].value + run.thinned[c].value;
+         run.absorbed[c].value + run.unresolved[c].value + run.lost[c].value + run.thinned[c].value;
 }
 
 }  // namespace lamella

@@ -10,8 +10,11 @@ namespace lamella {
 
 /// Orders are tallied as 1, 2, 3, and 4 and above.
 inline constexpr int kTallyOrders = 4;
+/// Slot of order 0, light that met interfaces alone: the last one, and only where there are some.
+inline constexpr int kZeroSlot = kTallyOrders;
 
 [[nodiscard]] constexpr int order_slot(std::uint64_t events) {
+  if (events == 0) return kZeroSlot;
   return events >= kTallyOrders ? kTallyOrders - 1 : static_cast<int>(events) - 1;
 }
 
@@ -25,8 +28,11 @@ struct EnergySums {
   using Channels = std::array<double, 3>;
   std::array<Channels, kTallyOrders> up{},
       down{};                               ///< left the stack there, after that many events
-  Channels specular_up{}, specular_down{};  ///< the part of up and down that met delta flakes only
+  Channels zero_up{}, zero_down{};  ///< left there after interfaces alone, `uncollided` apart
+  Channels specular_up{},
+      specular_down{};  ///< the part of up, down and zero that met deltas only
   Channels uncollided{}, absorbed{}, unresolved{};
+  Channels lost{};     ///< in the shadow of facets: what single scattering at interfaces drops
   Channels thinned{};  ///< what thinning has taken less what it has given: 0 on average
 };
 
@@ -42,8 +48,8 @@ struct BatchTally {
   std::uint64_t collisions = 0;
   std::uint64_t holes = 0;  ///< rays among grains that began inside of one
   EnergySums energy;
-  /// Sums over walks of estimates of f [1/sr]: [order][channel][target], targets being cells or
-  /// points.
+  /// Sums over walks of estimates of f [1/sr]: [slot of the order][channel][target], targets being
+  /// cells or points.
   std::vector<double> f;
 };
 

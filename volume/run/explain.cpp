@@ -110,6 +110,42 @@ void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& 
 
 }  // namespace
 
+namespace {
+
+void explain_boundaries(const Stack& stack, std::vector<PlanNote>& notes) {
+  // Below this alpha a cell, and a point's f, sees the lobe as next to a delta.
+  constexpr double kNarrow = 0.01;
+  double index = 1;
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) {
+    const auto& i = stack.layers[k].interface;
+    if (!i) continue;
+    const bool smooth = i->facets.shape == FacetShape::smooth;
+    const double alpha = std::min(i->facets.alpha_x, i->facets.alpha_y);
+    if (i->ior == index)
+      notes.push_back({fmt::format("interface {}", k), "left out", "the index does not change"});
+    else
+      notes.push_back(
+          {fmt::format("interface {}", k),
+           smooth
+               ? fmt::format("smooth, index {:g} to {:g}: Fresnel decides by chance, Snell turns",
+                             index, i->ior)
+               : fmt::format("{}, alpha {:g}{}, index {:g} to {:g}, {} scattering",
+                             to_text(i->facets.shape), i->facets.alpha_x,
+                             i->facets.alpha_x == i->facets.alpha_y
+                                 ? ""
+                                 : fmt::format(" and {:g}", i->facets.alpha_y),
+                             index, i->ior, i->multiple ? "multiple" : "single"),
+           smooth ? "light that meets smooth interfaces alone is a delta: specular, or uncollided"
+           : i->multiple ? "Smith's walk over heights loses nothing"
+           : alpha < kNarrow
+               ? "so narrow a lobe of order 0 is resolved by few cells; what facets hide is lost"
+               : fmt::format("masking {}; what facets hide is lost", to_text(i->masking))});
+    index = i->ior;
+  }
+}
+
+}  // namespace
+
 std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   std::vector<PlanNote> notes;
   notes.push_back(
@@ -129,7 +165,11 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                      "what is cut is reported as unresolved"});
     return notes;
   }
-  const std::size_t empty = stack.layers.size() - plan.layers.size();
+  if (plan.boundaries) explain_boundaries(stack, notes);
+  const auto interfaces = std::count_if(stack.layers.begin(), stack.layers.end(),
+                                        [](const Layer& l) { return l.interface.has_value(); });
+  const std::size_t empty =
+      stack.layers.size() - plan.layers.size() - static_cast<std::size_t>(interfaces);
   notes.push_back({"layers",
                    plan.layers.empty() ? "none is walked"
                    : plan.single_layer
@@ -149,6 +189,10 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
     notes.push_back({"medium", "medium looked up at every event", "layers hold different media"});
   if (stack.is_half_space())
     notes.push_back({"below", "no transmission tallies", "the last layer is infinite"});
+  else if (stack.substrate && !stack.substrate->model.empty())
+    notes.push_back({"below",
+                     "reflection by " + stack.substrate->model + ", no transmission tallies",
+                     "an opaque substrate; its reflection counts as an order"});
   else if (stack.substrate)
     notes.push_back(
         stack.substrate->albedo.max() > 0
@@ -171,8 +215,13 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                      fmt::format("one-sided flakes: transmission from above is exp(-{:.6g}) times "
                                  "that from below",
                                  one_sided)}
-          : PlanNote{"reciprocity", "of reflection and transmission", "all media are two-sided"});
-  notes.push_back({"orders", fmt::format("1, 2, 3, 4+; cut after {} events", plan.max_order),
+          : PlanNote{"reciprocity",
+                     stack.has_interfaces() ? "of reflection, and of transmission by f / n^2"
+                                            : "of reflection and transmission",
+                     "all media are two-sided"});
+  notes.push_back({"orders",
+                   fmt::format("{}1, 2, 3, 4+; cut after {} events", plan.boundaries ? "0, " : "",
+                               plan.max_order),
                    stack.is_half_space() ? "a half space keeps some walks for ever: their share is "
                                            "reported as unresolved"
                                          : "what is cut is reported as unresolved"});

@@ -9,6 +9,7 @@
 
 #include "phase/math/larger_error.h"
 #include "volume/grid_walk/grid_walk.h"
+#include "volume/interfaces/boundary_run.h"
 #include "volume/lanes/lane_run.h"
 
 namespace lamella {
@@ -58,7 +59,8 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   grid.folded = plan.folded && grid.phi_cells % 2 == 0;
   targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
   for (BatchTally& batch : batches_)
-    batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * targets_.count());
+    batch.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels *
+                   targets_.count());
   if (stack.grains()) {
     run_batch_ = grain_runner(estimator == Estimator::analog ? GrainScores::analog
                                                              : GrainScores::next_event);
@@ -67,6 +69,11 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   if (plan.has_grids()) {
     run_batch_ =
         grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
+    return;
+  }
+  if (plan.boundaries) {
+    run_batch_ =
+        boundary_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
     return;
   }
   if (!(estimator == Estimator::analog ? why_not_lanes(stack_, plan_)
@@ -89,7 +96,7 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
       walk_stack_(stack_, plan_),
       batches_(kBatches) {
   for (BatchTally& batch : batches_)
-    batch.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * points_.size());
+    batch.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels * points_.size());
   if (stack.grains()) {
     run_batch_ = grain_runner(points_.empty() ? GrainScores::nothing : GrainScores::points);
     return;
@@ -97,6 +104,11 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   if (plan.has_grids()) {
     run_batch_ = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
                              &points_, batches_);
+    return;
+  }
+  if (plan.boundaries) {
+    run_batch_ = boundary_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
+                                 &points_, batches_);
     return;
   }
   if (!why_not_lanes_at(stack_, plan_, points_)) {
@@ -215,21 +227,27 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
   const auto energy_of = [up](const BatchTally& b) -> const auto& {
     return up ? b.energy.up : b.energy.down;
   };
+  const auto zero_of = [up](const BatchTally& b) -> const auto& {
+    return up ? b.energy.zero_up : b.energy.zero_down;
+  };
   for (int c = 0; c < channels; ++c) {
     for (int o = 0; o < kTallyOrders; ++o)
       side.orders[o][c] =
           batch_estimate(batches, [&](const BatchTally& b) { return energy_of(b)[o][c]; });
     side.total[c] = batch_estimate(batches, [&](const BatchTally& b) {
-      double sum = 0;
+      double sum = zero_of(b)[c];
       for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
       return sum;
     });
+    side.zero[c] = batch_estimate(batches, [&](const BatchTally& b) { return zero_of(b)[c]; });
     side.specular[c] = batch_estimate(batches, [&](const BatchTally& b) {
       return (up ? b.energy.specular_up : b.energy.specular_down)[c];
     });
   }
   if (!up && !targets.both_sides) return side;
-  for (int o = 0; o <= kTallyOrders; ++o) {
+  const int slots = simulation.plan().order_slots();
+  for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
+    if (o > kTallyOrders && !simulation.plan().rough_boundaries) continue;
     LobeEstimate& lobe = side.lobes[o];
     lobe.value.resize(static_cast<std::size_t>(channels) * cells);
     lobe.standard_error.resize(lobe.value.size());
@@ -241,8 +259,10 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
         };
         const Estimate e = batch_estimate(batches, [&](const BatchTally& b) {
           if (o < kTallyOrders) return b.f[slot(o)];
+          if (o == kZeroLobe) return b.f[slot(kZeroSlot)];
           double sum = 0;
-          for (int order = 0; order < kTallyOrders; ++order) sum += b.f[slot(order)];
+          const int end = o == kScatteredLobe ? kTallyOrders : slots;
+          for (int order = 0; order < end; ++order) sum += b.f[slot(order)];
           return sum;
         });
         lobe.value[static_cast<std::size_t>(c) * cells + cell] = e.value;
@@ -274,6 +294,7 @@ RunResult reduce(const Simulation& simulation) {
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.uncollided[c]; });
     run.absorbed[c] =
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.absorbed[c]; });
+    run.lost[c] = batch_estimate(batches, [&](const BatchTally& b) { return b.energy.lost[c]; });
     run.thinned[c] =
         batch_estimate(batches, [&](const BatchTally& b) { return b.energy.thinned[c]; });
     run.unresolved[c] =
@@ -296,7 +317,7 @@ double largest_relative_error(const Simulation& simulation) {
         consider(batch_estimate(simulation.batches(),
                                 [&](const BatchTally& b) { return energy_of(b)[o][c]; }));
       consider(batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-        double sum = 0;
+        double sum = (up ? b.energy.zero_up : b.energy.zero_down)[c];
         for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
         return sum;
       }));
@@ -312,6 +333,8 @@ double run(Simulation& simulation, const StopRule& rule,
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   constexpr double kCheckpointSeconds = 0.2;
   std::uint64_t chunk = std::max<std::uint64_t>(16 * kBatches, simulation.stride());
+  // Where the clock decides a first step must be short: one walk per batch, or a realisation.
+  if (rule.seconds) chunk = simulation.lane_use() ? kBatches : simulation.stride();
   std::uint64_t next_test = std::max<std::uint64_t>(1 << 14, simulation.stride());
   while (simulation.walks() < rule.walks) {
     std::uint64_t goal = std::min(rule.walks, simulation.walks() + chunk);

@@ -9,6 +9,37 @@ int CellTargets::find(Direction wo) const {
   return grid.cell(wo.z * wo.z, phi) + (wo.z < 0 ? grid.cells() : 0);
 }
 
+CellDirections::CellDirections(const CellTargets& targets)
+    : targets_(targets),
+      column_cos_(targets.grid.columns()),
+      column_sin_(targets.grid.columns()) {}
+
+void CellDirections::redraw(std::uint64_t seed, std::uint64_t index, std::vector<double>& x,
+                            std::vector<double>& y, std::vector<double>& z,
+                            std::vector<double>& inverse_mu) {
+  // Each cell still sees all of itself over the walks, at the price of two numbers.
+  RandomStream stream(seed, index, StreamPurpose::targets);
+  const double u_mu = stream.uniform(), u_phi = stream.uniform();
+  const CellGrid& grid = targets_.grid;
+  const int columns = grid.columns(), cells = grid.cells(), count = targets_.count();
+  for (int column = 0; column < columns; ++column) {
+    const double phi = targets_.incident_azimuth + 2 * kPi * (column + u_phi) / grid.phi_cells;
+    column_cos_[column] = std::cos(phi);
+    column_sin_[column] = std::sin(phi);
+  }
+  for (int row = 0; row < grid.rows(); ++row) {
+    const double mu2 = (grid.mu_cells - row - u_mu) / grid.mu_cells;
+    const double mu = std::sqrt(mu2), s = std::sqrt(1 - mu2);
+    for (int column = 0; column < columns; ++column)
+      for (int j = row * columns + column; j < count; j += cells) {
+        x[j] = s * column_cos_[column];
+        y[j] = s * column_sin_[column];
+        z[j] = j < cells ? mu : -mu;
+        inverse_mu[j] = 1 / mu;
+      }
+  }
+}
+
 void TargetDirections::resize(int count, std::size_t layers) {
   for (auto* v : {&x, &y, &z, &inverse_mu}) v->resize(count);
   rate.assign(layers, std::vector<double>(count));
@@ -39,8 +70,7 @@ NextEventScorer<C>::NextEventScorer(const CellTargets& cells, const WalkStack& s
     : cells_(&cells), stack_(stack), tally_(tally) {
   directions_.resize(cells.count(), stack.layers.size());
   directions_.up = cells.grid.cells();
-  column_cos_.resize(cells.grid.columns());
-  column_sin_.resize(cells.grid.columns());
+  cell_directions_.emplace(cells);
   symmetric_ = cells.grid.folded;
   if (!stack.layers.empty()) last_depth_ = stack.layers.back().depth;
 }
@@ -64,29 +94,9 @@ NextEventScorer<C>::NextEventScorer(const std::vector<Direction>& points, const 
 template <int C>
 void NextEventScorer<C>::begin_walk(std::uint64_t seed, std::uint64_t index) {
   if (!cells_) return;
-  // The same place within every cell: each cell still sees all of itself over the walks, at the
-  // price of two numbers.
-  RandomStream stream(seed, index, StreamPurpose::targets);
-  const double u_mu = stream.uniform(), u_phi = stream.uniform();
-  const CellGrid& grid = cells_->grid;
-  const int columns = grid.columns(), cells = grid.cells();
-  for (int column = 0; column < columns; ++column) {
-    const double phi = cells_->incident_azimuth + 2 * kPi * (column + u_phi) / grid.phi_cells;
-    column_cos_[column] = std::cos(phi);
-    column_sin_[column] = std::sin(phi);
-  }
-  for (int row = 0; row < grid.rows(); ++row) {
-    const double mu2 = (grid.mu_cells - row - u_mu) / grid.mu_cells;
-    const double mu = std::sqrt(mu2), s = std::sqrt(1 - mu2);
-    for (int column = 0; column < columns; ++column)
-      for (int j = row * columns + column; j < directions_.count(); j += cells) {
-        directions_.x[j] = s * column_cos_[column];
-        directions_.y[j] = s * column_sin_[column];
-        directions_.z[j] = j < cells ? mu : -mu;
-        directions_.inverse_mu[j] = 1 / mu;
-      }
-  }
-  directions_.trace(stack_, symmetric_ ? columns : 1);
+  cell_directions_->redraw(seed, index, directions_.x, directions_.y, directions_.z,
+                           directions_.inverse_mu);
+  directions_.trace(stack_, symmetric_ ? cells_->grid.columns() : 1);
 }
 
 template class NextEventScorer<1>;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "phase/random/random.h"
@@ -60,6 +61,20 @@ class AnalogScorer {
   const CellTargets& targets_;
   BatchTally& tally_;
   double scale_;
+};
+
+/// The directions of cell means by next-event estimation: one per cell, stratified, redrawn for
+/// every walk at the same place within every cell.
+class CellDirections {
+ public:
+  explicit CellDirections(const CellTargets& targets);
+  /// Writes the directions of all targets of that walk, and 1 / |mu|.
+  void redraw(std::uint64_t seed, std::uint64_t index, std::vector<double>& x,
+              std::vector<double>& y, std::vector<double>& z, std::vector<double>& inverse_mu);
+
+ private:
+  const CellTargets& targets_;
+  std::vector<double> column_cos_, column_sin_;
 };
 
 /// Outgoing directions of next-event estimation and what light meets on its way out along them:
@@ -140,10 +155,10 @@ class NextEventScorer {
 
  private:
   const CellTargets* cells_ = nullptr;
+  std::optional<CellDirections> cell_directions_;
   const WalkStack& stack_;
   BatchTally& tally_;
   TargetDirections directions_;
-  std::vector<double> column_cos_, column_sin_;
   double last_depth_ = 0;
   bool symmetric_ = false;
   bool finite_ = true;

@@ -61,6 +61,18 @@ TEST(DivergingColor, IsBlueBelowZeroNeutralAtZeroAndRedAbove) {
   }
 }
 
+TEST(DivergingColor, HasThe256EntriesOfRdBu) {
+  // Of matplotlib's RdBu_r: entries 1, 51, 127, 128, 204 and 254.
+  const auto at = [](int entry) { return diverging_color((entry + 0.5) / 128 - 1); };
+  EXPECT_EQ(at(1), (Color{0x06, 0x32, 0x64}));
+  EXPECT_EQ(at(51), (Color{0x43, 0x93, 0xc3}));
+  EXPECT_EQ(at(204), (Color{0xd6, 0x60, 0x4d}));
+  EXPECT_EQ(at(254), (Color{0x6a, 0x01, 0x1f}));
+  int changes = 0;
+  for (int k = 1; k < 256; ++k) changes += !(at(k) == at(k - 1));
+  EXPECT_EQ(changes, 255);
+}
+
 TEST(ColorScale, OfMagnitudesStartsAtZeroEndsAtARoundNumberAndServesBothMaps) {
   const std::vector<double> a = {0.02, 0.31}, b = {0.33, std::nan(""), kInfinity};
   const ColorScale scale = magnitude_scale(a, b, false);

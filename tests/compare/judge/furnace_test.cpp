@@ -159,5 +159,23 @@ TEST(Furnace, RadianceOfATwoSidedSlabIsOne) {
   EXPECT_NEAR(check.measured, 1, 5 * check.standard_error);
 }
 
+// Lobes of some degrees, of mirrors (1 by symmetry) and of the flakes of a one-sided slab.
+TEST(Furnace, RadianceOfNarrowLobesIsAsPredicted) {
+  for (const char* medium :
+       {"medium = \"sggx\"\nroughness = 0.02", "medium = \"henyey_greenstein\"\ng = 0.98",
+        "medium = \"vmf_flake\"\nroughness = 0.02"}) {
+    SCOPED_TRACE(medium);
+    const Stack stack =
+        parse_stack(std::string("[[layer]]\n") + medium + "\nthickness = 1\n", "test", "test");
+    for (const double theta : {0.0, 60.0}) {
+      const RadianceCheck check =
+          check_radiance(stack, make_plan(stack), direction_from_degrees(theta, 0), 200000, 1);
+      const double error = std::hypot(check.standard_error, check.predicted_error);
+      EXPECT_NEAR(check.measured, check.predicted, 5 * error) << theta;
+      EXPECT_LT(error, 0.1 * check.predicted) << theta;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lamella

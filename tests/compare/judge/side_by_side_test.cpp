@@ -38,6 +38,9 @@ TEST(RelativeError, IsOverTheTruthAndWithoutNoise) {
   EXPECT_DOUBLE_EQ(relative_error(noisy, {3, 9}).rmse, 1);
   EXPECT_TRUE(std::isinf(relative_error({{0, 0}, {0, 0}}, {1, 0}).rmse));
   EXPECT_EQ(relative_error({{0, 0}, {0, 0}}, {0, 0}).rmse, 0);
+  // Light that cut walks held hides as much as it may add to a cell's square, and removes nothing.
+  EXPECT_DOUBLE_EQ(relative_error(truth, {3, 9}, {0, 4}, 9).rmse, 3.0 / 5);
+  EXPECT_DOUBLE_EQ(relative_error(truth, {3, 9}, {0, 4}, 9).noise, 1);
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -25,6 +28,26 @@ TEST(Pilot, TakesNextEventForCellsAndAnalogForEnergiesOfSmoothFlakes) {
   const Pilot energies = pilot(request, plan, wi);
   EXPECT_EQ(energies.best, Estimator::analog);
   EXPECT_GT(energies.advantage, 2);
+}
+
+// White and sharply forward: a walk has thousands of events, and next-event counts each of them in
+// 512 cells. The pilot ends in seconds all the same.
+TEST(Pilot, LeavesNextEventOutWhereItsFirstWalksTakeTooLong) {
+  for (const double g : {0.999, 0.99999}) {
+    const Stack stack =
+        parse_stack("[[layer]]\nmedium = \"henyey_greenstein\"\ng = " + std::to_string(g) +
+                        "\nthickness = inf\n",
+                    "test", "test");
+    TruthRequest request{.stack = stack, .cells = CellGrid{16, 32, true}};
+    request.effort.seconds = 1;
+    const auto start = std::chrono::steady_clock::now();
+    const Pilot found = pilot(request, make_plan(stack), direction_from_degrees(30, 0));
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    EXPECT_EQ(found.best, Estimator::analog) << g;
+    EXPECT_GT(found.first_seconds, 0) << g;
+    EXPECT_LT(taken.count(), 20) << g;
+    EXPECT_NE(to_text(found).find("was not tried"), std::string::npos) << g;
+  }
 }
 
 TEST(Pilot, HasNothingToSayWithoutScattering) {

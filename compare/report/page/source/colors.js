@@ -1,5 +1,5 @@
-// The same colours as in the program's pictures: the 256 entries of viridis; ColorBrewer's RdBu with 11 classes, linear
-// in between (compare/drawing/color_map.h).
+// The same colours as in the program's pictures: 256 entries each of viridis and of RdBu, whose 11 classes of ColorBrewer
+// are linear in between (compare/drawing/color_map.h).
 import {interpolateViridis, schemeRdBu} from "d3-scale-chromatic";
 
 const parts = (color) => {
@@ -7,15 +7,19 @@ const parts = (color) => {
   return hex ? hex.slice(1).map((h) => parseInt(h, 16)) : color.match(/[\d.]+/g).slice(0, 3).map(Number);
 };
 const viridis = Array.from({length: 256}, (_, k) => parts(interpolateViridis(k / 255)));
-const blueRed = schemeRdBu[11].map(parts).reverse();
+const classes = schemeRdBu[11].map(parts).reverse();
+const blueRed = Array.from({length: 256}, (_, k) => {
+  const x = 10 * k / 255, i = Math.min(9, Math.floor(x));
+  return classes[i].map((a, c) => Math.round(a + (x - i) * (classes[i + 1][c] - a)));
+});
 const unit = (t) => Math.max(0, Math.min(1, t));
 
 // t in [0, 1].
 export const viridisAt = (t) => viridis[Math.min(255, Math.floor(256 * unit(t)))];
 // t in [0, 1], neutral at 1/2.
 export function divergingAt(t) {
-  const x = 10 * unit(t), i = Math.min(9, Math.floor(x));
-  return blueRed[i].map((a, c) => Math.round(a + (x - i) * (blueRed[i + 1][c] - a)));
+  const s = 2 * unit(t) - 1, step = Math.min(127, Math.floor(128 * Math.abs(s)));
+  return s === 0 ? classes[5] : blueRed[s > 0 ? 128 + step : 127 - step];
 }
 
 const roundUp = (x) => {

@@ -40,7 +40,7 @@ export function furnace(page, answer, details) {
   if (!models) page.append(element("h2", {}, "Where the light goes"), figure("Ledger", "shares of the light that came in", [ledger, ledgerKey]));
   const table = element("div");
   page.append(element("h2", {}, "All numbers"), table);
-  drawing.append(stackDrawing(answer.stack, thetaOf(series[0].runs[Math.floor(series[0].runs.length / 2)].mu_i)));
+  if (hasStack) drawing.append(stackDrawing(answer.stack, thetaOf(series[0].runs[Math.floor(series[0].runs.length / 2)].mu_i)));
 
   const parts = ["reflected", "transmitted", "uncollided", "absorbed", "unresolved"];
   function show() {

@@ -34,11 +34,29 @@ function grains(layer, top, height) {
   });
 }
 
+// An interface: a line, as wavy as it is rough.
+function boundary(y, roughness) {
+  const alpha = Array.isArray(roughness) ? roughness[0] : roughness ?? 0, steps = 48, high = 5 * Math.min(1, alpha);
+  const points = Array.from({length: steps + 1}, (_, k) => `${left + k * inner / steps},${y + 3 + (k % 2 ? 1 : -1) * high * (.4 + .6 * spread(k, 2))}`);
+  return element("polyline", {points: points.join(" "), fill: "none", stroke: "var(--accent)", "stroke-width": 2});
+}
+
 export function stackDrawing(stack, theta) {
   const top = 76, parts = [], texts = [];
-  const depths = stack.layer.map((l) => l.thickness === "inf" ? Infinity : l.thickness * l.density);
+  const depths = stack.layer.map((l) => l.interface ? 0 : l.thickness === "inf" ? Infinity : l.thickness * l.density);
   let y = top;
   stack.layer.forEach((layer, k) => {
+    if (layer.interface) {
+      const lines = Object.entries(layer).filter(([name]) => name !== "interface").map(([name, value]) => `${name} ${typeof value === "string" ? value : list(value)}`);
+      parts.push(boundary(y, layer.roughness));
+      texts.push(element("text", {x: left + inner + 14, y: y + 12, "font-weight": 600}, `${layer.interface} interface`),
+        ...lines.map((t, i) => element("text", {class: "small", x: left + inner + 14, y: y + 27 + 15 * i}, t)));
+      // The text needs room; what lies below is drawn as far as the next entry.
+      const height = 16 + 15 * lines.length, last = k + 1 === stack.layer.length || stack.layer[k + 1].interface;
+      parts.push(element("rect", {x: left, y: y + 5, width: inner, height: height - 5, fill: "var(--accent)", "fill-opacity": .08, stroke: last ? "none" : "var(--line)"}));
+      y += height;
+      return;
+    }
     const lines = [], known = new Set(["medium", "albedo", "thickness", "density"]);
     const shape = [layer.shape, layer.flake].filter(Boolean).join(", ");
     if (shape) lines.push(shape);
@@ -55,12 +73,13 @@ export function stackDrawing(stack, theta) {
     y += height;
   });
   if (stack.substrate) {
-    parts.push(element("rect", {x: left, y, width: inner, height: 26, fill: colorOf(stack.substrate.albedo), stroke: "currentColor"}),
+    const surface = Object.entries(stack.substrate).filter(([name]) => name !== "bsdf").map(([name, value]) => `${name} ${typeof value === "string" ? value : list(value)}`);
+    parts.push(element("rect", {x: left, y, width: inner, height: 26, fill: colorOf(stack.substrate.albedo ?? .6), stroke: "currentColor"}),
       ...Array.from({length: 12}, (_, k) => element("line", {x1: left + k * inner / 11, y1: y + 26, x2: left + (k + 1) * inner / 11, y2: y,
         stroke: "currentColor", "stroke-width": .6, "clip-path": "inset(0)"})));
     texts.push(element("text", {x: left + inner + 14, y: y + 12, "font-weight": 600}, `substrate: ${stack.substrate.bsdf}`),
-      element("text", {class: "small", x: left + inner + 14, y: y + 27}, `albedo ${list(stack.substrate.albedo)}`));
-    y += 34;
+      ...surface.map((t, i) => element("text", {class: "small", x: left + inner + 14, y: y + 27 + 15 * i}, t)));
+    y += 19 + 15 * Math.max(1, surface.length);
   }
   // The light, and the normal. phi = 0 is on the right.
   const below = theta > 90, middle = left + inner / 2, angle = theta * Math.PI / 180;
@@ -73,6 +92,6 @@ export function stackDrawing(stack, theta) {
     element("polygon", {fill: "var(--accent)", points: [[0, 0], [-11, 5], [-11, -5]].map(([a, b]) =>
       `${middle + a * ux - b * uy},${foot + a * uy + b * ux}`).join(" ")}),
     element("text", {x: Math.min(ex + 8, width - 90), y: ey + (below ? 14 : 4)}, `light, ${Number(theta.toFixed(2))}°`)];
-  const label = `Cross-section of ${stack.name}: ` + stack.layer.map((l) => l.medium).join(" over ") + (stack.substrate ? " over a substrate" : "");
+  const label = `Cross-section of ${stack.name}: ` + stack.layer.map((l) => l.medium ?? `${l.interface} interface`).join(" over ") + (stack.substrate ? " over a substrate" : "");
   return element("svg", {viewBox: `0 0 ${width} ${bottom}`, role: "img", "aria-label": label}, parts, texts, arrow);
 }

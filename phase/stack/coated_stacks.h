@@ -1,0 +1,10 @@
+#pragma once
+
+#include "phase/stack/builtin_stacks.h"
+
+namespace lamella {
+
+/// The built-in stacks with interfaces: coats over media and over closed forms, plates, metals.
+[[nodiscard]] std::vector<BuiltinStack> coated_stacks();
+
+}  // namespace lamella
