@@ -99,11 +99,11 @@ template <class Value, class G>
 
 /// The share of light from w, above a rough surface, that single scattering reflects to above.
 /// weight(w . m, w_o), a double or an Rgb: the facet's reflectance, times whatever the rays along
-/// w_o are to count. kink: see above.
+/// w_o are to count. kink, least: see above.
 template <class Value, class Weight>
 [[nodiscard]] Value reflected_share(const Facets& facets, Masking masking, Direction w,
-                                    const Weight& weight, double tolerance = 1e-8,
-                                    double kink = 0) {
+                                    const Weight& weight, double tolerance = 1e-8, double kink = 0,
+                                    double least = 0) {
   return average_over_facets<Value>(
       facets, w, SeenFacets::reflecting,
       [&](Direction wi, Direction m, double cosine) {
@@ -111,7 +111,7 @@ template <class Value, class Weight>
         wo.z = std::fmax(wo.z, 0);
         return facets.passes(masking, false, wi, wo) * weight(cosine, wo);
       },
-      tolerance, kink);
+      tolerance, kink, least);
 }
 
 /// The share of light from w, above a rough dielectric of relative index `ratio` (below over
