@@ -72,4 +72,6 @@ AlbedoEstimate Model::albedo_with_error(Direction wi) const {
 
 double Model::uncollided(Direction /*wi*/) const { return 0; }
 
+Rgb Model::specular(Direction /*wi*/) const { return {}; }
+
 }  // namespace lamella

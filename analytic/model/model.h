@@ -87,6 +87,9 @@ class Model {
   /// The share of light from w_i that passes without scattering (a delta, no part of eval).
   [[nodiscard]] virtual double uncollided(Direction wi) const;
 
+  /// The share of light from w_i that a smooth interface reflects (a delta, no part of eval).
+  [[nodiscard]] virtual Rgb specular(Direction wi) const;
+
  protected:
   explicit Model(int lobes) : lobes_(lobes) {}
 
@@ -123,6 +126,7 @@ struct ModelInfo {
   /// the name of that parameter, and the further ones for one of its choices.
   std::string selector = {};
   std::function<std::vector<ParameterInfo>(const std::string& choice)> selected = {};
+  std::string selected_prefix = {};  ///< what their names begin with
 };
 
 /// The parameters there are: info.parameters, and those that `choice` of the selector adds, if the
