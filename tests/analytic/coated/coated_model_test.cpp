@@ -195,17 +195,17 @@ TEST(Coated, WhiteBasesKeepTheEnergyThatTheirLayeringPromises) {
 
 TEST(Coated, ValuesAreSaneAndReciprocalWhereClaimed) {
   for (const char* layering : kLayerings)
-    for (const double alpha : {0.0, 1e-4, 0.3, 1.0})
-      for (const double n : {1.0, 1.0001, 3.0}) {
-        // Tables of transmitted light take a second each.
-        if (std::string(layering) == "saunderson" && alpha == 1e-4) continue;
-        SCOPED_TRACE(::testing::Message() << layering << ' ' << alpha << ' ' << n);
-        const auto model =
-            coated(layering, n, alpha, {{"color", Rgb(0.9, 0.5, 0)}, {"base.albedo", 0.8}});
-        testing::expect_sane_values(*model, 2);
-        if (std::string(layering) != "albedo_scaling" && std::string(layering) != "darkened")
-          testing::expect_reciprocal(*model, 1e-11);
-      }
+    for (const auto& [alpha, n] :
+         {std::pair{0.0, 1.0}, {0.0, 1.0001}, {0.0, 3.0}, {1e-4, 3.0}, {0.3, 1.0001}, {1.0, 3.0}}) {
+      // Tables of transmitted light take a second each.
+      if (std::string(layering) == "saunderson" && alpha == 1e-4) continue;
+      SCOPED_TRACE(::testing::Message() << layering << ' ' << alpha << ' ' << n);
+      const auto model =
+          coated(layering, n, alpha, {{"color", Rgb(0.9, 0.5, 0)}, {"base.albedo", 0.8}});
+      testing::expect_sane_values(*model, 2);
+      if (std::string(layering) != "albedo_scaling" && std::string(layering) != "darkened")
+        testing::expect_reciprocal(*model, 1e-11);
+    }
 }
 
 TEST(Coated, AnIndexOfOneDoesNothing) {

@@ -107,6 +107,9 @@ TEST(Microfacet, WhiteFacetsKeepAllEnergyWithKullaContyAndAlongTheViewWithTurqui
   for (const char* distribution : {"ggx", "beckmann"})
     for (const char* material : {"white", "dielectric"})
       for (const double alpha : {0.1, 1.0}) {
+        // Tables of dielectrics take seconds.
+        const bool ggx = std::string(distribution) == "ggx";
+        if (std::string(material) == "dielectric" && ggx == (alpha == 1)) continue;
         const auto model = facets({{"material", word(material)},
                                    {"distribution", word(distribution)},
                                    {"roughness", alpha},
@@ -151,20 +154,21 @@ void expect_samples_follow_their_density(const Model& model, Direction wo, doubl
 TEST(Microfacet, SamplesFollowTheirDensity) {
   for (const char* material : {"conductor", "dielectric"})
     for (const char* compensation : {"none", "kulla_conty"})
-      for (const double alpha : {0.3, 0.8})
-        for (const double theta : {10.0, 60.0, 89.0, 120.0}) {
+      for (const double alpha : {0.3, 0.8}) {
+        SCOPED_TRACE(::testing::Message() << material << ' ' << compensation << ' ' << alpha);
+        const auto model = facets({{"material", word(material)},
+                                   {"roughness", alpha},
+                                   {"compensation", word(compensation)}});
+        for (const double theta : {10.0, 89.0, 120.0}) {
           if (theta > 90 && std::string(material) == "conductor") continue;
-          SCOPED_TRACE(::testing::Message() << material << ' ' << compensation << ' ' << alpha);
-          const auto model = facets({{"material", word(material)},
-                                     {"roughness", alpha},
-                                     {"compensation", word(compensation)}});
           expect_samples_follow_their_density(*model, direction_from_degrees(theta, 40), 0.5);
         }
+      }
 }
 
 TEST(Microfacet, WeightsOfSamplesHaveTheAlbedoAsMean) {
-  for (const double alpha : {1e-4, 0.05, 1.0}) {
-    const auto model = facets({{"roughness", alpha}, {"roughness_y", alpha * 0.99999}});
+  for (const double alpha : {1e-4, 0.05, 0.9}) {
+    const auto model = facets({{"roughness", alpha}, {"roughness_y", alpha * 1.1}});
     const Direction wo = direction_from_mu_phi(0.4, 1);
     RandomStream stream(3, 0, StreamPurpose::test);
     std::vector<double> weights;
