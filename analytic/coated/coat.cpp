@@ -9,7 +9,10 @@ namespace lamella {
 namespace {
 
 // Of the rules' differences: the errors are smaller by 100 and more.
-constexpr double kReflectedTolerance = 1e-7, kTransmittedTolerance = 1e-6, kMeanTolerance = 1e-6;
+constexpr double kReflectedTolerance = 1e-8, kTransmittedTolerance = 1e-6, kMeanTolerance = 1e-6;
+
+// Less is no reflection: of n = 1.0001 at normal incidence 1e-7 of it.
+constexpr double kLeastReflected = 2.5e-16;
 
 // Of tables: albedos go like mu log mu near 0, and like mu^b with the masking's Beta function; near
 // 1 refracted light goes like (1 - mu) log(1 - mu).
@@ -46,7 +49,7 @@ void Coat::make_tables(bool through) {
         return reflected_share<double>(
             facets, interface_.masking, at_cosine(mu),
             [&](double cosine, Direction) { return fresnel_reflectance(std::fmin(cosine, 1), n); },
-            kReflectedTolerance);
+            kReflectedTolerance, 0, kLeastReflected);
       },
       kTerms, kNear0, kNear1);
   reflected_mean_ = reflected_.mean();

@@ -11,7 +11,8 @@ namespace lamella {
 /// A dielectric interface with air above it and, below, a coat of index n that absorbs: what
 /// layering formulas ask of it, as functions of cosines in air. Smooth: in closed form; rough:
 /// single scattering, tabulated when the coat is made: E and <E> within 1e-6 of their value
-/// (2e-5 next to index 1), T and the internal mean within 2e-6. mu in [0, 1].
+/// (2e-5 next to index 1), T and the internal mean within 2e-6 (T of
+/// mu below 1e-6 within 1e-3: the Beta masking goes to its limit like small powers of mu).
 class Coat {
  public:
   /// interface: index above 1, below n in [1, 4]; the same roughness along x and y. color: what two

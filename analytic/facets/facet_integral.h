@@ -81,20 +81,29 @@ template <class Value, class G>
     };
     return integrate_adaptively<Value>(facet, edges, tolerance / 4, area * least + 1e-300);
   };
-  const double quarters[] = {0, kPi / 2, kPi, 1.5 * kPi, 2 * kPi};
-  const std::span<const double> round(quarters);
-  const Value sum = integrate_adaptively<Value>(ring, turns ? round.first(3) : round, tolerance,
-                                                area * least + 1e-300);
+  // From the azimuth along which facets face w; across it, at pi / 2, what they show changes within
+  // an angle of the order of mu.
+  const double facing = std::atan2(w.y * ay, w.x * ax);
+  const double across = std::fmin(0.5, 4 * mu / (1e-3 + std::hypot(w.x, w.y)));
+  std::array<double, 9> edges{};
+  for (const int half : {0, 1})
+    for (const int k : {0, 1, 2, 3})
+      edges[4 * half + k] = half * kPi + (k > 0 ? kPi / 2 + (k - 2) * across : 0);
+  edges[8] = 2 * kPi;
+  const std::span<const double> round(edges);
+  const Value sum =
+      integrate_adaptively<Value>([&](double phi) { return ring(facing + phi); },
+                                  turns ? round.first(5) : round, tolerance, area * least + 1e-300);
   return ((turns ? 1 : 0.5) / (kPi * area)) * sum;
 }
 
 /// The share of light from w, above a rough surface, that single scattering reflects to above.
 /// weight(w . m, w_o), a double or an Rgb: the facet's reflectance, times whatever the rays along
-/// w_o are to count. kink: see above.
+/// w_o are to count. kink, least: see above.
 template <class Value, class Weight>
 [[nodiscard]] Value reflected_share(const Facets& facets, Masking masking, Direction w,
-                                    const Weight& weight, double tolerance = 1e-8,
-                                    double kink = 0) {
+                                    const Weight& weight, double tolerance = 1e-8, double kink = 0,
+                                    double least = 0) {
   return average_over_facets<Value>(
       facets, w, SeenFacets::reflecting,
       [&](Direction wi, Direction m, double cosine) {
@@ -102,7 +111,7 @@ template <class Value, class Weight>
         wo.z = std::fmax(wo.z, 0);
         return facets.passes(masking, false, wi, wo) * weight(cosine, wo);
       },
-      tolerance, kink);
+      tolerance, kink, least);
 }
 
 /// The share of light from w, above a rough dielectric of relative index `ratio` (below over

@@ -18,7 +18,7 @@ constexpr SheenFit kSmooth{25.3245, 3.32435, 0.16801, -1.27393, -4.85967};
 constexpr SheenFit kRough{21.5473, 3.82987, 0.19823, -1.97760, -4.32054};
 
 // Below this cosine the fit is continued.
-constexpr double kLeastCosine = 1e-6;
+constexpr double kLeastCosine = 1e-3;
 
 class Sheen final : public Model {
  public:
@@ -68,9 +68,8 @@ ModelInfo sheen_conty_kulla_model() {
                           .unit = "1",
                           .doc = "r: the smaller, the more the facets stand up",
                           .default_value = "0.5",
-                          .min = 0,
-                          .max = 1,
-                          .min_open = true}},
+                          .min = 0.1,
+                          .max = 1}},
           .lobes = {{"sheen", "all of it"}},
           .make =
               [](const Parameters& p, const Stack*) {

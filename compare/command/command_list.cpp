@@ -156,7 +156,7 @@ int models_command(const Options& options, const std::string& name) {
         fmt::print(out, "{}", list_entry("stack", "a stack file or a built-in stack"));
       print_parameters(out, info.parameters);
       if (!info.selector.empty())
-        fmt::print(out, "    {}...   the keys of what {} names, as they stand there\n",
+        fmt::print(out, "    {}KEY   the keys of what {} names, as they stand there\n",
                    info.selected_prefix, info.selector);
       for (const LobeInfo& lobe : info.lobes)
         fmt::print(

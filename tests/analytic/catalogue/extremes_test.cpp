@@ -20,6 +20,8 @@ std::vector<ParameterValue> extremes(const ParameterInfo& p) {
       return {p.choices.begin(), p.choices.end()};
     case ParameterKind::number: {
       if (p.name.ends_with("walks")) return {64.0};
+      // Rougher facets need fewer panels of the tables that compensate for them.
+      if (p.name == "roughness" && p.min == 1e-4) return {0.1, p.min, p.max};
       if (p.max - p.min > kWidest) return {parse_value(p, p.default_value)};
       const double range = p.max - p.min;
       std::vector<ParameterValue> list{p.min + 1e-9 * range, p.min + range / 2,

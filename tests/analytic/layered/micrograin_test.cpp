@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
+#include "phase/surface/fresnel.h"
 #include "tests/analytic/model/model_checks.h"
 #include "tests/analytic/model/nested_quadrature.h"
 #include "tests/statistics/statistics.h"
