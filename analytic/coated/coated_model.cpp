@@ -3,6 +3,7 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "analytic/coated/coat_of_stack.h"
 #include "analytic/facets/facet_integral.h"
 #include "analytic/model/parameter_infos.h"
 #include "phase/math/sampling.h"
@@ -250,12 +251,25 @@ ModelInfo coated_model(const std::vector<ModelInfo>& models) {
                 {"base", "light that reached the base", Order::scattered}},
       .reciprocal = false,
       .make = [bases](const Parameters& p, const Stack*) { return make(*bases, p); },
-      .applies_to = {},
+      .applies_to = [bases](const Stack& stack) -> std::optional<Parameters> {
+        const auto coat = coat_of(stack, *bases);
+        if (!coat || coat->ior < 1 || coat->ior > 4 || coat->alpha > 1) return std::nullopt;
+        Parameters p;
+        p.set("ior", coat->ior);
+        p.set("roughness", coat->alpha);
+        p.set("distribution",
+              std::string(coat->shape == FacetShape::beckmann ? "beckmann" : "ggx"));
+        p.set("color", coat->color);
+        p.set("base", coat->base);
+        for (const auto& [key, value] : coat->parameters.all()) p.set(kBaseKey + key, value);
+        return p;
+      },
       .parts = {},
       .selector = "base",
       .selected =
           [bases](const std::string& name) { return base_parameters(base_named(*bases, name)); },
-      .selected_prefix = kBaseKey};
+      .selected_prefix = kBaseKey,
+      .alternatives = "layering"};
 }
 
 }  // namespace lamella

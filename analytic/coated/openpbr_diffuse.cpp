@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "analytic/coated/coat_of_stack.h"
 #include "analytic/coated/coated_model.h"
 #include "analytic/model/parameter_infos.h"
 #include "analytic/rough_surface/eon.h"
@@ -55,7 +56,20 @@ ModelInfo openpbr_diffuse_model() {
                 {"base", "light that reached the diffuse base", Order::scattered}},
       .reciprocal = false,
       .make = [](const Parameters& p, const Stack*) { return make_slab(p); },
-      .applies_to = {}};
+      .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+        const auto coat = coat_of(stack, {eon_model()});
+        if (!coat || coat->shape == FacetShape::beckmann || coat->color != Rgb(1) ||
+            (coat->base != "eon" && coat->base != "lambert") || coat->ior < 1 || coat->ior > 3 ||
+            coat->alpha > 1)
+          return std::nullopt;
+        Parameters p;
+        p.set("base_color", coat->parameters.color("albedo"));
+        if (coat->base == "eon")
+          p.set("base_diffuse_roughness", coat->parameters.number("roughness"));
+        p.set("specular_roughness", std::sqrt(coat->alpha));
+        p.set("specular_ior", coat->ior);
+        return p;
+      }};
 }
 
 }  // namespace lamella

@@ -310,7 +310,24 @@ ModelInfo microfacet_model() {
                 {"multiple", "what compensates for the others", Order::all}},
       .transmits = true,
       .make = [](const Parameters& p, const Stack*) { return make(p); },
-      .applies_to = {}};
+      .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+        if (!stack.layers.empty() || !stack.substrate || stack.substrate->model != kConductor)
+          return std::nullopt;
+        const Parameters& given = stack.substrate->parameters;
+        const double* alpha =
+            given.has("roughness") ? std::get_if<double>(&given.at("roughness")) : nullptr;
+        if (!alpha || *alpha < kLeastRoughness || *alpha > 1) return std::nullopt;
+        Parameters p;
+        p.set("material", std::string(given.choice("fresnel") == "one" ? "white" : "conductor"));
+        for (const char* key : {"eta", "k", "distribution", "masking"}) p.set(key, given.at(key));
+        p.set("roughness", *alpha);
+        return p;
+      },
+      .parts = {},
+      .selector = {},
+      .selected = {},
+      .selected_prefix = {},
+      .alternatives = "compensation"};
 }
 
 }  // namespace lamella

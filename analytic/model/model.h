@@ -127,6 +127,8 @@ struct ModelInfo {
   std::string selector = {};
   std::function<std::vector<ParameterInfo>(const std::string& choice)> selected = {};
   std::string selected_prefix = {};  ///< what their names begin with
+  /// A choice whose every value is of interest: a comparison that names no model takes them all.
+  std::string alternatives = {};
 };
 
 /// The parameters there are: info.parameters, and those that `choice` of the selector adds, if the

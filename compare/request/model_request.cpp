@@ -173,7 +173,14 @@ std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests
   if (!requests.empty()) return requests;
   std::vector<ModelRequest> all;
   for (const ModelInfo& info : models())
-    if (info.applies_to && info.applies_to(stack)) all.push_back({info.name, {}});
+    if (info.applies_to && info.applies_to(stack)) {
+      if (info.alternatives.empty()) {
+        all.push_back({info.name, {}});
+        continue;
+      }
+      for (const std::string& choice : find(info.parameters, info.alternatives)->choices)
+        all.push_back({info.name, {{info.alternatives, choice}}});
+    }
   return all;
 }
 

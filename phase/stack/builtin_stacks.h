@@ -4,17 +4,10 @@
 #include <string_view>
 #include <vector>
 
+#include "phase/stack/builtin_stack.h"
 #include "phase/stack/stack.h"
 
 namespace lamella {
-
-/// A stack that Lamella knows by name: a configuration of one of the papers, or a standard case.
-struct BuiltinStack {
-  std::string name;
-  std::string doc;     ///< what it is, and which of its numbers are Lamella's own choice
-  std::string source;  ///< where the numbers come from
-  std::string toml;
-};
 
 [[nodiscard]] const std::vector<BuiltinStack>& builtin_stacks();
 

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "phase/stack/builtin_stacks.h"
+#include <vector>
+
+#include "phase/stack/builtin_stack.h"
 
 namespace lamella {
 
