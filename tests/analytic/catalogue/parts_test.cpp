@@ -20,6 +20,7 @@ ParameterValue other(const ParameterInfo& p) {
   const double x = std::get<double>(usual), most = std::min(p.max, 2 * std::abs(x) + 1);
   if (p.name == "walks") return 100.0;
   if (p.name == "terms") return 1.0;
+  if (x == p.max) return 0.5 * (p.min + p.max);
   return p.name == "seed" ? 2.0 : x + 0.4 * (most - x);
 }
 
