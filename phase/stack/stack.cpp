@@ -6,6 +6,13 @@
 
 namespace lamella {
 
+bool Substrate::is_grey() const {
+  // A metal that reflects everything has no colour, whatever its index.
+  if (model == kConductor && parameters.has("fresnel") && parameters.choice("fresnel") == "one")
+    return true;
+  return albedo.is_grey() && !parameters.has_color();
+}
+
 const GrainGeometry* Stack::grains() const {
   return !layers.empty() && layers[0].grains ? &*layers[0].grains : nullptr;
 }
@@ -62,7 +69,7 @@ bool Stack::has_grid() const {
 bool Stack::is_grey() const {
   return std::all_of(layers.begin(), layers.end(),
                      [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); }) &&
-         (!substrate || (substrate->albedo.is_grey() && !substrate->parameters.has_color()));
+         (!substrate || substrate->is_grey());
 }
 
 bool Stack::is_symmetric_about_z() const {

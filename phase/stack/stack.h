@@ -67,6 +67,8 @@ struct Substrate {
   std::map<std::string, std::string, std::less<>> where{};  ///< of each key, for errors: "a.toml:7"
   std::shared_ptr<const SurfaceLaw>
       law{};  ///< a conductor, or the model: compare/request/substrate_model.h makes it
+
+  [[nodiscard]] bool is_grey() const;
 };
 
 /// Layers from the top down, and what lies below.
