@@ -79,20 +79,40 @@ void PileModes::make_kernels(int modes) {
     kind.scattering.emplace(kind.layer->medium, kind.layer->albedo[channel_],
                             kind.layer->f0[channel_], *kind.sets, ready_);
   }
+  for (Element& e : elements_)
+    if (e.interface && e.interface->facets.shape != FacetShape::smooth) {
+      e.rough.reset();
+      e.rough.emplace(*e.interface, *e.above, *e.below, ready_, &e == &elements_.front(),
+                      &e == &elements_.back() && !stack_.substrate);
+    }
+  if (stack_.substrate && stack_.substrate->law) {
+    ground_.reset();
+    ground_.emplace(stack_.substrate->law, channel_, *bottom_, ready_);
+  }
 }
 
 std::size_t PileModes::bytes_of(int modes) const {
   std::size_t entries = 1;
   for (const Kind& kind : kinds_)
     entries += 4 * static_cast<std::size_t>(kind.sets->out.size() * kind.sets->in.size());
+  const auto pairs = [](const DirectionSets& out, const DirectionSets& in) {
+    return static_cast<std::size_t>(out.out.size() * in.in.size());
+  };
+  for (const Element& e : elements_)
+    if (e.interface && e.interface->facets.shape != FacetShape::smooth)
+      entries += pairs(*e.above, *e.above) + pairs(*e.above, *e.below) + pairs(*e.below, *e.above) +
+                 pairs(*e.below, *e.below);
+  if (stack_.substrate && stack_.substrate->law) entries += pairs(*bottom_, *bottom_);
   return entries * static_cast<std::size_t>(modes) * sizeof(double);
 }
 
 PileOperator PileModes::element(const Element& e, int m) const {
+  if (e.rough) return e.rough->at(m);
   return smooth_boundary(*e.above, *e.below, m);
 }
 
 PileOperator PileModes::ground(int m) const {
+  if (ground_) return ground_->at(m);
   return lambert_ground(stack_.substrate->albedo[channel_], *bottom_, m);
 }
 

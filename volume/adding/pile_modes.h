@@ -1,9 +1,11 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "volume/adding/rough_boundary.h"
 #include "volume/adding/stack_modes.h"
 
 namespace lamella {
@@ -39,6 +41,7 @@ class PileModes : public StackSolver {
     std::optional<std::size_t> slab;
     const Interface* interface = nullptr;
     const DirectionSets *above, *below;
+    std::optional<RoughBoundary> rough{};
   };
 
   void make_kernels(int modes);
@@ -56,6 +59,7 @@ class PileModes : public StackSolver {
   std::vector<Kind> kinds_;
   std::vector<Slab> slabs_;
   std::vector<Element> elements_;
+  std::optional<Ground> ground_;  // a law's
 };
 
 /// The indices of refraction of a stack's media, distinct and ascending.

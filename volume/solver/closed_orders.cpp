@@ -1,6 +1,7 @@
 #include "volume/solver/closed_orders.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "phase/interface/dielectric.h"
@@ -153,6 +154,30 @@ Rgb first_through_smooth(const Stack& stack, Direction wi, Direction wo) {
   return sum;
 }
 
+// The outermost entry of the stack on that side, if it is a rough boundary.
+std::optional<Dielectric> outermost_rough(const Stack& stack, bool above) {
+  std::optional<Dielectric> found;
+  double index = 1;
+  for (const Layer& layer : stack.layers) {
+    if (layer.interface) {
+      if (layer.interface->ior == index) continue;
+      found = Dielectric{.facets = layer.interface->facets,
+                         .masking = layer.interface->masking,
+                         .multiple = layer.interface->multiple,
+                         .above = index,
+                         .below = layer.interface->ior};
+      index = layer.interface->ior;
+    } else if (layer.depth() > 0) {
+      found.reset();
+    } else {
+      continue;
+    }
+    if (above) break;
+  }
+  if (!above && stack.substrate) return std::nullopt;
+  return found && !found->is_smooth() ? found : std::nullopt;
+}
+
 }  // namespace
 
 bool is_first_closed(const Stack& stack) { return !stack.has_rough_interfaces(); }
@@ -166,7 +191,9 @@ ClosedOrders closed_orders(const Stack& stack, Direction wi, Direction wo) {
   wo = with_grazing_limit(wo);
   if ((wi.z < 0 || wo.z < 0) && !stack.is_open_below()) return {};
   if (is_first_closed(stack)) return {{}, first_through_smooth(stack, wi, wo)};
-  return {};
+  if ((wi.z > 0) != (wo.z > 0)) return {};
+  const std::optional<Dielectric> boundary = outermost_rough(stack, wi.z > 0);
+  return {boundary ? Rgb(boundary->single(wi, wo)) : Rgb(), {}};
 }
 
 }  // namespace lamella

@@ -9,9 +9,15 @@ std::optional<std::string> why_not_deterministic(const Stack& stack) {
   for (const Layer& layer : stack.layers)
     if (!layer.interface && is_delta(layer.medium))
       return "mirror flakes at roughness 0 scatter into a delta";
-  if (stack.has_rough_interfaces()) return "rough interfaces are left to walks";
-  if (stack.substrate && !stack.substrate->model.empty())
-    return "substrates beyond Lambert's law are left to walks";
+  for (const Layer& layer : stack.layers)
+    if (layer.interface && layer.interface->multiple)
+      return "multiple scattering at an interface's facets is left to walks";
+  if (stack.substrate && stack.substrate->law && stack.substrate->law->is_stochastic())
+    return stack.substrate->model == kConductor
+               ? "multiple scattering at a conductor's facets is left to walks"
+               : "the substrate's model is an estimate, which is left to walks";
+  if (stack.substrate && !stack.substrate->model.empty() && !stack.substrate->law)
+    return "the substrate's model has no law";
   return std::nullopt;
 }
 
