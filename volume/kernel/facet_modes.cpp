@@ -18,9 +18,13 @@ using Eigen::VectorXd;
 
 constexpr int kPointsPerInterval = 10;
 
+// Beyond it the angle is the smooth variable, before it u.
+constexpr double kMiddle = 0.5;
+
 // Ends of intervals in polar angle within (low, high), doubling away from the peak.
-std::vector<double> interval_ends(const FacetProfile::Places& places, double low, double high) {
-  std::vector<double> ends{low, high};
+std::vector<double> interval_ends(const FacetProfile::Places& places, double low, double middle,
+                                  double high) {
+  std::vector<double> ends{low, middle, high};
   const auto add = [&](double at) {
     if (at > low && at < high) ends.push_back(at);
   };
@@ -44,29 +48,46 @@ template <class ModesAt>
 MatrixXd means_over_nodes(const DirectionSets& set, const FacetProfile::Places& places, int modes,
                           const ModesAt& modes_at) {
   MatrixXd result = MatrixXd::Zero(set.nodes(), modes);
-  const Quadrature& rule = cached_gauss_legendre(kPointsPerInterval);
   ArrayXd values(modes);
   for (const NodePanel& panel : set.panels) {
     const double low = std::acos(std::min(1.0, panel.high())),
                  high = std::acos(std::min(1.0, panel.low()));
-    const std::vector<double> ends = interval_ends(places, low, high);
-    const Index count = static_cast<Index>(ends.size() - 1) * kPointsPerInterval;
+    const std::vector<double> ends = interval_ends(places, low, std::acos(panel.mu(kMiddle)), high);
+    // Points for f and for the polynomials, which swing once between two nodes.
+    const auto angle = [&](double theta) {
+      return std::asin(std::sqrt(panel.parameter(std::cos(theta))));
+    };
+    std::vector<int> points;
+    Index count = 0;
+    for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
+      const double nodes_there = static_cast<double>(panel.count) * (2 / kPi) *
+                                 std::abs(angle(ends[e + 1]) - angle(ends[e]));
+      points.push_back(kPointsPerInterval + static_cast<int>(1.2 * nodes_there));
+      count += points.back();
+    }
     VectorXd u(count);
     MatrixXd samples(count, modes);
     Index k = 0;
-    for (std::size_t e = 0; e + 1 < ends.size(); ++e)
-      for (int p = 0; p < kPointsPerInterval; ++p, ++k) {
-        const double length = ends[e + 1] - ends[e];
-        const double theta = ends[e] + length * rule.points[p];
-        const double mu = std::cos(theta);
-        u[k] = panel.parameter(mu);
+    for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
+      const Quadrature& rule = cached_gauss_legendre(points[e]);
+      const double u0 = e + 2 == ends.size() ? 0 : panel.parameter(std::cos(ends[e + 1]));
+      const double u1 = panel.parameter(std::cos(ends[e]));
+      const bool by_u = u0 + u1 < 2 * kMiddle;
+      for (int p = 0; p < points[e]; ++p, ++k) {
+        const double length = by_u ? u1 - u0 : ends[e + 1] - ends[e];
+        const double at = (by_u ? u0 : ends[e]) + length * rule.points[p];
+        const double mu = by_u ? panel.mu(at) : std::cos(at);
+        u[k] = by_u ? at : panel.parameter(mu);
         modes_at(mu, values);
-        samples.row(k) =
-            (length * rule.weights[p] * std::sin(theta) * mu * values).matrix().transpose();
+        const double measure =
+            length * rule.weights[p] * mu * (by_u ? panel.slope(at) : std::sin(at));
+        samples.row(k) = (measure / (u[k] * u[k] * u[k]) * values).matrix().transpose();
       }
+    }
+    const Quadrature& nodes = cached_gauss_legendre(static_cast<int>(panel.count));
+    const VectorXd cubes = nodes.points.array().cube();
     result.middleRows(panel.first, panel.count) =
-        lagrange_values(cached_gauss_legendre(static_cast<int>(panel.count)), u).transpose() *
-        samples;
+        cubes.asDiagonal() * (lagrange_values(nodes, u).transpose() * samples);
   }
   return (set.flux / (2 * kPi)).cwiseInverse().asDiagonal() * result;
 }
