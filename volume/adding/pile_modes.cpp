@@ -82,8 +82,7 @@ void PileModes::make_kernels(int modes) {
   for (Element& e : elements_)
     if (e.interface && e.interface->facets.shape != FacetShape::smooth) {
       e.rough.reset();
-      e.rough.emplace(*e.interface, *e.above, *e.below, ready_, &e == &elements_.front(),
-                      &e == &elements_.back() && !stack_.substrate);
+      e.rough.emplace(*e.interface, *e.above, *e.below, ready_);
     }
   if (stack_.substrate && stack_.substrate->law) {
     ground_.reset();

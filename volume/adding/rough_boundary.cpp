@@ -77,8 +77,7 @@ double met_by_facets(const Facets& facets, const FacetProfile::Reflectance& refl
 }  // namespace
 
 RoughBoundary::RoughBoundary(const Interface& interface, const DirectionSets& above,
-                             const DirectionSets& below, int modes, bool closed_above,
-                             bool closed_below)
+                             const DirectionSets& below, int modes)
     : above_(&above), below_(&below) {
   const bool above_is_rarer = above.index < below.index;
   const DirectionSets& rare = above_is_rarer ? above : below;
@@ -87,27 +86,26 @@ RoughBoundary::RoughBoundary(const Interface& interface, const DirectionSets& ab
   Side& from_rare = above_is_rarer ? from_above_ : from_below_;
   Side& from_dense = above_is_rarer ? from_below_ : from_above_;
   // Reflection on either side.
-  const auto reflection = [&](const DirectionSets& sets, double n, bool closed, Side& side) {
+  const auto reflection = [&](const DirectionSets& sets, double n, Side& side) {
     const double critical = n < 1 ? std::sqrt((1 - n) * (1 + n)) : 0;
     const FacetProfile profile(
         interface.facets, interface.masking,
         [n](double cosine) { return refraction(cosine, n).reflectance; }, critical);
-    FacetModes facets(profile, sets, asked_out(sets), sets, asked_in(sets), modes);
+    FacetModes facets(profile, sets, asked_out(sets), sets, asked_in(sets), modes, false);
     side.r = std::move(facets.f);
     for (MatrixXd& r : side.r) {
       clear_absent(r, sets, sets.out_exists, sets, sets.in_exists);
-      if (closed) r.bottomRightCorner(r.rows() - sets.nodes(), r.cols() - sets.nodes()).setZero();
     }
     side.lost = RowVectorXd::Ones(sets.in.size()) - facets.energy;
   };
-  reflection(rare, ratio, above_is_rarer ? closed_above : closed_below, from_rare);
-  reflection(dense, 1 / ratio, above_is_rarer ? closed_below : closed_above, from_dense);
+  reflection(rare, ratio, from_rare);
+  reflection(dense, 1 / ratio, from_dense);
 
   // Transmission once, from the rarer side; both ways of it from one matrix, by reciprocity.
   const FacetProfile profile(interface.facets, interface.masking, ratio);
   const Index dense_out = asked_out(dense).size(), rare_in = asked_in(rare).size();
   const FacetModes facets(profile, dense, joined(asked_out(dense), asked_in(dense)), rare,
-                          joined(asked_in(rare), asked_out(rare)), modes);
+                          joined(asked_in(rare), asked_out(rare)), modes, false);
   const Index dense_nodes = dense.nodes(), rare_nodes = rare.nodes();
   for (int m = 0; m < modes; ++m) {
     const MatrixXd& all = facets.f[m];
@@ -166,7 +164,7 @@ Ground::Ground(std::shared_ptr<const SurfaceLaw> law, int channel, const Directi
       return conductor->reflectance(cosine)[channel];
     };
     const FacetProfile profile(s.facets, s.masking, reflectance, 0);
-    FacetModes facets(profile, sets, asked_out(sets), sets, asked_in(sets), modes);
+    FacetModes facets(profile, sets, asked_out(sets), sets, asked_in(sets), modes, true);
     r_ = std::move(facets.f);
     absorbed_ = lost_ = RowVectorXd::Zero(in.size());
     for (Index j = 0; j < in.size(); ++j) {

@@ -13,10 +13,10 @@ namespace lamella {
 /// modes of its order 0, by volume/kernel/facet_modes.h. Both media have indices of their own.
 class RoughBoundary {
  public:
-  /// Modes 0 ... modes - 1. closed_above, closed_below: whether reflection to that side between
-  /// directions that are asked for is left out, as ClosedOrders has it.
+  /// Modes 0 ... modes - 1. Between two directions that are asked for nothing is counted:
+  /// ClosedOrders has that.
   RoughBoundary(const Interface& interface, const DirectionSets& above, const DirectionSets& below,
-                int modes, bool closed_above, bool closed_below);
+                int modes);
 
   [[nodiscard]] PileOperator at(int mode) const;
 

@@ -96,16 +96,16 @@ MatrixXd means_over_nodes(const DirectionSets& set, const FacetProfile::Places& 
 
 FacetModes::FacetModes(const FacetProfile& profile, const DirectionSets& out,
                        const VectorXd& asked_out, const DirectionSets& in, const VectorXd& asked_in,
-                       int modes) {
+                       int modes, bool with_asked_pairs) {
   const Index rows = out.nodes(), columns = in.nodes();
-  f.assign(modes, MatrixXd(rows + asked_out.size(), columns + asked_in.size()));
+  f.assign(modes, MatrixXd::Zero(rows + asked_out.size(), columns + asked_in.size()));
   oneapi::tbb::parallel_for(Index{0}, columns + asked_in.size(), [&](Index j) {
     const double mu_i = j < columns ? in.in[j] : asked_in[j - columns];
     const MatrixXd means =
         means_over_nodes(out, profile.places(mu_i, true), modes,
                          [&](double mu, ArrayXd& values) { profile.modes(mu_i, mu, values); });
     for (int m = 0; m < modes; ++m) f[m].col(j).head(rows) = means.col(m);
-    if (j < columns) return;
+    if (j < columns || !with_asked_pairs) return;
     ArrayXd values(modes);
     for (Index i = 0; i < asked_out.size(); ++i) {
       profile.modes(mu_i, asked_out[i], values);

@@ -19,10 +19,11 @@ namespace lamella {
 /// mean is over w_o; between two directions that are asked for f stands as it is.
 class FacetModes {
  public:
-  /// out, in: the media of w_o and w_i. asked_*: cosines there.
+  /// out, in: the media of w_o and w_i. asked_*: cosines there. with_asked_pairs: else f between
+  /// two of them is left at 0.
   FacetModes(const FacetProfile& profile, const DirectionSets& out,
              const Eigen::VectorXd& asked_out, const DirectionSets& in,
-             const Eigen::VectorXd& asked_in, int modes);
+             const Eigen::VectorXd& asked_in, int modes, bool with_asked_pairs);
 
   /// [mode]
   std::vector<Eigen::MatrixXd> f;

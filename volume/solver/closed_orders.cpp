@@ -1,7 +1,6 @@
 #include "volume/solver/closed_orders.h"
 
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "phase/interface/dielectric.h"
@@ -12,10 +11,15 @@
 namespace lamella {
 namespace {
 
-// From the top: a layer, or a smooth boundary where there is none.
+// From the top: a layer, or a boundary where there is none.
 struct Element {
   const Layer* layer;
+  const Interface* interface;
   double above, below;  // indices of refraction
+
+  [[nodiscard]] bool is_rough() const {
+    return interface && interface->facets.shape != FacetShape::smooth;
+  }
 };
 
 std::vector<Element> elements_of(const Stack& stack) {
@@ -23,10 +27,11 @@ std::vector<Element> elements_of(const Stack& stack) {
   double index = 1;
   for (const Layer& layer : stack.layers) {
     if (layer.interface) {
-      if (layer.interface->ior != index) elements.push_back({nullptr, index, layer.interface->ior});
+      if (layer.interface->ior != index)
+        elements.push_back({nullptr, &*layer.interface, index, layer.interface->ior});
       index = layer.interface->ior;
     } else if (layer.depth() > 0) {
-      elements.push_back({&layer, index, index});
+      elements.push_back({&layer, nullptr, index, index});
     }
   }
   return elements;
@@ -66,6 +71,8 @@ Beam beam_of(const std::vector<Element>& elements, Direction w, bool reversed) {
         return mu > 0 && rate > 0 ? std::exp(-rate * layer->depth()) : mu > 0 ? 1.0 : 0.0;
       };
       crossings.push_back({0, crosses(beam.rate_down[e]), crosses(beam.rate_up[e])});
+    } else if (elements[e].is_rough()) {
+      crossings.push_back({0, 0, 0});  // beams end here
     } else {
       const SmoothShares s =
           smooth_shares(elements[e].above, mu, elements[e].below, beam.mu[e + 1]);
@@ -154,28 +161,36 @@ Rgb first_through_smooth(const Stack& stack, Direction wi, Direction wo) {
   return sum;
 }
 
-// The outermost entry of the stack on that side, if it is a rough boundary.
-std::optional<Dielectric> outermost_rough(const Stack& stack, bool above) {
-  std::optional<Dielectric> found;
-  double index = 1;
-  for (const Layer& layer : stack.layers) {
-    if (layer.interface) {
-      if (layer.interface->ior == index) continue;
-      found = Dielectric{.facets = layer.interface->facets,
-                         .masking = layer.interface->masking,
-                         .multiple = layer.interface->multiple,
-                         .above = index,
-                         .below = layer.interface->ior};
-      index = layer.interface->ior;
-    } else if (layer.depth() > 0) {
-      found.reset();
-    } else {
-      continue;
-    }
-    if (above) break;
+// One event at a rough boundary between beams; those that another one hides are none.
+double zero_at_rough(const Stack& stack, Direction wi, Direction wo) {
+  const std::vector<Element> elements = elements_of(stack);
+  const double top = 1, bottom = elements.back().below;
+  const double from = wi.z > 0 ? top : bottom, to = wo.z > 0 ? top : bottom;
+  const Beam in = beam_of(elements, wi, false), out = beam_of(elements, wo, true);
+  double sum = 0;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const Element& at = elements[e];
+    if (!at.is_rough()) continue;
+    const Dielectric boundary{.facets = at.interface->facets,
+                              .masking = at.interface->masking,
+                              .multiple = false,
+                              .above = at.above,
+                              .below = at.below};
+    for (const bool arrives_down : {true, false})
+      for (const bool leaves_up : {true, false}) {
+        const std::size_t place_in = arrives_down ? e : e + 1, place_out = leaves_up ? e : e + 1;
+        const double share =
+            (arrives_down ? in.down : in.up)[place_in] * (leaves_up ? out.down : out.up)[place_out];
+        if (!(share > 0)) continue;
+        const double n_in = arrives_down ? at.above : at.below;
+        const double n_out = leaves_up ? at.above : at.below;
+        const double mi = in.mu[place_in], mo = out.mu[place_out];
+        sum += share * (to / n_out) * (to / n_out) *
+               boundary.single(inside(wi, from, n_in, arrives_down ? mi : -mi),
+                               inside(wo, to, n_out, leaves_up ? mo : -mo));
+      }
   }
-  if (!above && stack.substrate) return std::nullopt;
-  return found && !found->is_smooth() ? found : std::nullopt;
+  return sum;
 }
 
 }  // namespace
@@ -191,9 +206,7 @@ ClosedOrders closed_orders(const Stack& stack, Direction wi, Direction wo) {
   wo = with_grazing_limit(wo);
   if ((wi.z < 0 || wo.z < 0) && !stack.is_open_below()) return {};
   if (is_first_closed(stack)) return {{}, first_through_smooth(stack, wi, wo)};
-  if ((wi.z > 0) != (wo.z > 0)) return {};
-  const std::optional<Dielectric> boundary = outermost_rough(stack, wi.z > 0);
-  return {boundary ? Rgb(boundary->single(wi, wo)) : Rgb(), {}};
+  return {Rgb(zero_at_rough(stack, wi, wo)), {}};
 }
 
 }  // namespace lamella

@@ -6,7 +6,7 @@ namespace lamella {
 
 /// What is known of f in closed form at a pair of directions; the solver's modes have the rest.
 struct ClosedOrders {
-  Rgb zero;  ///< of order 0: the outermost boundary's own reflection, if that is rough
+  Rgb zero;  ///< of order 0: one event at a rough boundary that beams reach, from either side
   Rgb one;   ///< order 1, unless a boundary is rough (is_first_closed)
 
   [[nodiscard]] Rgb all() const { return zero + one; }
