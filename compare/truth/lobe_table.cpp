@@ -10,8 +10,8 @@
 #include "compare/request/errors.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/lobe_cells.h"
-#include "phase/stack/single_scattering.h"
 #include "volume/solver/answer_check.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {
@@ -29,8 +29,7 @@ constexpr double kMostSeconds = 30;
 constexpr int kSolvedCosines = 120;
 
 Rgb order_one(const Stack& stack, Direction wi, Direction wo) {
-  const SingleScattering first = single_scattering(stack, wi, wo);
-  return first.layers + first.substrate;
+  return closed_orders(stack, wi, wo).one;
 }
 
 // Scales stand at this many places for every step between two nodes in mu_o.
@@ -101,8 +100,9 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const
           return "its numbers are not finite";
   for (const DeterministicEnergies& e : solution.energies(out)) {
     RestEnergy energy;
-    energy.total = e.reflected[4];
-    energy.direct = e.reflected[4] - e.reflected[0];
+    // Beams are in no table.
+    energy.total = e.reflected[4] - e.specular_of[4];
+    energy.direct = energy.total - (e.reflected[0] - e.specular_of[0]);
     for (int c = 0; c < 3; ++c) {
       energy.direct_error[c] = reached * energy.direct[c];
       energy.total_error[c] = std::abs(e.sum()[c] - 1);
@@ -216,7 +216,9 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
   LobeTable table;
   table.stack_ = request.stack;
   check_estimator(request);
-  const bool solvable = !why_not_deterministic(request.stack) && request.given.empty();
+  // The lobe of a rough boundary is too narrow for a table, and order 1 is not closed behind it.
+  const bool solvable = !why_not_deterministic(request.stack) && is_first_closed(request.stack) &&
+                        request.given.empty();
   const bool must = request.estimator == Estimator::deterministic;
   std::optional<std::string> unsolved = "not tried";
   if (must || (solvable && !request.estimator)) {
