@@ -11,8 +11,8 @@
 #include "compare/request/first_look.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/lobe_cells.h"
-#include "phase/stack/single_scattering.h"
 #include "volume/solver/answer_check.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
 
 namespace lamella {
@@ -32,8 +32,7 @@ constexpr double kWalkSeconds = 60;
 constexpr int kSolvedCosines = 120;
 
 Rgb order_one(const Stack& stack, Direction wi, Direction wo) {
-  const SingleScattering first = single_scattering(stack, wi, wo);
-  return first.layers + first.substrate;
+  return closed_orders(stack, wi, wo).one;
 }
 
 // Scales stand at this many places for every step between two nodes in mu_o.
@@ -107,8 +106,9 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const
           return "its numbers are not finite";
   for (const DeterministicEnergies& e : solution.energies(out)) {
     RestEnergy energy;
-    energy.total = e.reflected[4];
-    energy.direct = e.reflected[4] - e.reflected[0];
+    // Beams are in no table.
+    energy.total = e.reflected[4] - e.specular_of[4];
+    energy.direct = energy.total - (e.reflected[0] - e.specular_of[0]);
     for (int c = 0; c < 3; ++c) {
       energy.direct_error[c] = reached * energy.direct[c];
       energy.total_error[c] = std::abs(e.sum()[c] - 1);
@@ -236,7 +236,9 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
   LobeTable table;
   table.stack_ = request.stack;
   check_estimator(request);
-  const bool solvable = !why_not_deterministic(request.stack) && request.given.empty();
+  // The lobe of a rough boundary is too narrow for a table, and order 1 is not closed behind it.
+  const bool solvable = !why_not_deterministic(request.stack) && is_first_closed(request.stack) &&
+                        request.given.empty();
   const bool must = request.estimator == Estimator::deterministic;
   std::optional<std::string> unsolved = "not tried";
   if (must || (solvable && !request.estimator)) {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "phase/stack/single_scattering.h"
+#include "volume/solver/closed_orders.h"
 
 namespace lamella {
 namespace {
@@ -153,8 +153,8 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
       const Direction wo = with_grazing_limit(pairs[order[from]].wo);
       const DeterministicValue multiple =
           field.multiple_refined(in.at(wi.z), out.at(wo.z), kPi - relative_azimuth(wi, wo));
-      const SingleScattering single = single_scattering(stack, wi, wo);
-      values[order[from]] = {multiple.order[4] + single.layers + single.substrate, multiple.error};
+      values[order[from]] = {multiple.order[4] + closed_orders(stack, wi, wo).all(),
+                             multiple.error};
     }
   }
   return values;

@@ -9,7 +9,8 @@ namespace lamella {
 GrazingMap grazing_map(const Stack& stack) {
   constexpr double kPeaked = 0.6, kKnee = 0.15;
   for (const Layer& layer : stack.layers)
-    if (std::abs(traits(layer.medium).mean_cosine) > kPeaked) return GrazingMap(kKnee);
+    if (!layer.interface && std::abs(traits(layer.medium).mean_cosine) > kPeaked)
+      return GrazingMap(kKnee);
   return {};
 }
 
@@ -73,6 +74,40 @@ LayerOperator StackModes::mode(int m) const {
   for (std::size_t k = layers_.size() - 1; k-- > 0;)
     pile = add_layers(solved[layers_[k]], pile, rules);
   return pile;
+}
+
+AskedMode StackModes::asked_mode(int m) const {
+  using Eigen::Index;
+  using Eigen::VectorXd;
+  const LayerOperator op = mode(m);
+  const Index nodes = sets_.nodes(), asked = sets_.in.size() - nodes;
+  AskedMode result;
+  for (int k = 0; k < kSeries; ++k) {
+    result.series[k][kAboveToUp] = asked_block(op.above.r[k], nodes, nodes);
+    result.series[k][kAboveToDown] = asked_block(op.above.t[k], nodes, nodes);
+    result.series[k][kBelowToDown] = asked_block(op.below.r[k], nodes, nodes);
+    result.series[k][kBelowToUp] = asked_block(op.below.t[k], nodes, nodes);
+  }
+  if (m > 0) return result;
+  for (const bool below : {false, true}) {
+    const OperatorSide& side = below ? op.below : op.above;
+    AskedEnergies& e = result.energies[below];
+    const auto sum = [&](const Eigen::MatrixXd& f) {
+      VectorXd energies = VectorXd::Zero(asked);
+      if (f.size() == 0) return energies;
+      for (Index j = 0; j < asked; ++j) energies[j] = sets_.flux.dot(f.col(nodes + j).head(nodes));
+      return energies;
+    };
+    for (int k = 0; k < kSeries; ++k) {
+      e.reflected[k] = sum(side.r[k]);
+      e.transmitted[k] = sum(side.t[k]);
+    }
+    e.reflected[kOrderZero] = e.transmitted[kOrderZero] = VectorXd::Zero(asked);
+    e.direct = side.direct_in.tail(asked);
+    e.absorbed = side.absorbed.tail(asked).transpose();
+    e.lost = VectorXd::Zero(asked);
+  }
+  return result;
 }
 
 double StackModes::correction() const {

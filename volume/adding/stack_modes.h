@@ -4,6 +4,7 @@
 
 #include "phase/stack/stack.h"
 #include "volume/adding/layer_operator.h"
+#include "volume/adding/stack_solver.h"
 
 namespace lamella {
 
@@ -12,26 +13,22 @@ namespace lamella {
 
 /// The operator of a whole stack, mode by mode, for one colour channel on fixed directions. Equal
 /// layers are solved once.
-class StackModes {
+class StackModes : public StackSolver {
  public:
   /// orders: how many of the orders 1 to 3 to keep apart.
   StackModes(const Stack& stack, int channel, DirectionSets sets, int orders);
 
-  /// Makes the kernels of at least that many modes. `mode` needs them. The kernels depend on their
-  /// number in the last digits: steps that are the same on any machine keep results so, too.
-  void prepare(int modes);
-  /// Doubles the modes that are ready (8 at first), or adds as many as fit into that memory; false
-  /// where none does.
-  bool prepare_more(std::size_t max_bytes);
-  /// Modes whose kernels are there.
-  [[nodiscard]] int ready() const { return ready_; }
-  /// One mode; several may be asked for at once.
+  void prepare(int modes) override;
+  bool prepare_more(std::size_t max_bytes) override;
+  [[nodiscard]] int ready() const override { return ready_; }
+  /// One mode between all directions; several may be asked for at once.
   [[nodiscard]] LayerOperator mode(int m) const;
+  [[nodiscard]] AskedMode asked_mode(int m) const override;
   [[nodiscard]] const DirectionSets& sets() const { return sets_; }
   /// Largest relative correction of a node's kernel that conservation of energy asked for.
   [[nodiscard]] double correction() const;
   /// Bytes held by the kernels' modes; what they would be for that many.
-  [[nodiscard]] std::size_t bytes() const { return bytes_of(ready_); }
+  [[nodiscard]] std::size_t bytes() const override { return bytes_of(ready_); }
   [[nodiscard]] std::size_t bytes_of(int modes) const;
 
  private:

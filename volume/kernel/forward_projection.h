@@ -13,7 +13,7 @@ namespace lamella {
 
 /// Replaces the parts of a mirror medium's kernel that send light on (down to down, up to up).
 /// There K jumps at w_o = -w_i, so that K_m has a kink at mu_o = mu_i and its values at the nodes
-/// make a quadrature of second order only. With mu(u) and its slope s(u) (GrazingMap), radiance
+/// make a quadrature of second order only. With mu(u) and its slope s(u) (NodePanel), radiance
 /// times u is taken as a polynomial l_j(u) through the nodes, and the node values are replaced by
 /// those that make the discrete sums exact for such radiance: Galerkin's moments, with v = s / u,
 ///   K_ij = integral of l_i(u) v(u) K v(u') l_j(u') du du' / (v_i g_i v_j g_j)
@@ -28,21 +28,38 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
   using Eigen::Index;
   using Eigen::MatrixXd;
   using Eigen::VectorXd;
-  const int n = static_cast<int>(sets.nodes()), modes = static_cast<int>(kernel.modes.size());
-  const Quadrature& nodes = cached_gauss_legendre(n);
-  const Quadrature& fine = cached_gauss_legendre(n + n / 2 + 8);
-  const Index q = fine.points.size();
-  const auto v = [&](double u) { return sets.map.slope(u) / u; };
-  const VectorXd scale = nodes.points.unaryExpr(v).cwiseProduct(nodes.weights).cwiseInverse();
+  const Index n = sets.nodes();
+  const int modes = static_cast<int>(kernel.modes.size());
+  // A panel's own rule and a finer one, with what turns moments into node values.
+  struct Rules {
+    const NodePanel* panel;
+    const Quadrature* nodes;
+    const Quadrature* fine;
+    VectorXd scale;
+    MatrixXd outer;
+    [[nodiscard]] double v(double u) const { return panel->slope(u) / u; }
+  };
+  std::vector<Rules> rules;
+  for (const NodePanel& panel : sets.panels) {
+    const int count = static_cast<int>(panel.count);
+    Rules r{&panel, &cached_gauss_legendre(count), &cached_gauss_legendre(count + count / 2 + 8),
+            VectorXd(), MatrixXd()};
+    r.scale = r.nodes->points.unaryExpr([&](double u) { return r.v(u); })
+                  .cwiseProduct(r.nodes->weights)
+                  .cwiseInverse();
+    r.outer = lagrange_values(*r.nodes, r.fine->points);
+    rules.push_back(std::move(r));
+  }
   ArrayXd values(modes);
   const auto part_of = [&](int m, int part) -> MatrixXd& {
     return m < modes ? kernel.modes[m][part] : kernel.white[part];
   };
   // Modes, then the white mode 0, at points u' for a fixed direction; weights included.
-  const auto row = [&](double mu, const VectorXd& u, const VectorXd& weight, bool mu_is_out) {
+  const auto row = [&](const NodePanel& panel, double mu, const VectorXd& u, const VectorXd& weight,
+                       bool mu_is_out) {
     MatrixXd samples(modes + 1, u.size());
     for (Index k = 0; k < u.size(); ++k) {
-      const double other = sets.map.mu(u[k]);
+      const double other = panel.mu(u[k]);
       double white = 0;
       pair_modes(profile, f0, mu_is_out ? other : mu, mu_is_out ? -mu : -other, values, white);
       samples.col(k).head(modes) = weight[k] * values.matrix();
@@ -51,37 +68,72 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
     return samples;
   };
 
-  // Nodes to nodes, above to down; the square in two triangles, each by points u, u v.
-  std::vector<MatrixXd> moments(modes + 1, MatrixXd::Zero(n, n));
-  const MatrixXd outer = lagrange_values(nodes, fine.points);
-  for (Index k = 0; k < q; ++k) {
-    const double u = fine.points[k];
-    const VectorXd inner = u * fine.points;
-    const VectorXd weight =
-        u * v(u) * fine.weights[k] * fine.weights.cwiseProduct(inner.unaryExpr(v));
-    const MatrixXd lagrange = lagrange_values(nodes, inner);
-    const double mu = sets.map.mu(u);
-    const MatrixXd larger_in = row(mu, inner, weight, false) * lagrange;
-    const MatrixXd larger_out =
-        two_sided ? larger_in : MatrixXd(row(mu, inner, weight, true) * lagrange);
-    for (int m = 0; m <= modes; ++m) {
-      moments[m].noalias() += larger_in.row(m).transpose() * outer.row(k);
-      moments[m].noalias() += outer.row(k).transpose() * larger_out.row(m);
+  // Nodes to nodes, above to down, within one panel: the square in two triangles, each by points
+  // u, u v.
+  const auto within = [&](const Rules& r) {
+    const NodePanel& panel = *r.panel;
+    std::vector<MatrixXd> moments(modes + 1, MatrixXd::Zero(panel.count, panel.count));
+    for (Index k = 0; k < r.fine->points.size(); ++k) {
+      const double u = r.fine->points[k];
+      const VectorXd inner = u * r.fine->points;
+      const VectorXd weight =
+          u * r.v(u) * r.fine->weights[k] *
+          r.fine->weights.cwiseProduct(inner.unaryExpr([&](double w) { return r.v(w); }));
+      const MatrixXd lagrange = lagrange_values(*r.nodes, inner);
+      const double mu = panel.mu(u);
+      const MatrixXd larger_in = row(panel, mu, inner, weight, false) * lagrange;
+      const MatrixXd larger_out =
+          two_sided ? larger_in : MatrixXd(row(panel, mu, inner, weight, true) * lagrange);
+      for (int m = 0; m <= modes; ++m) {
+        moments[m].noalias() += larger_in.row(m).transpose() * r.outer.row(k);
+        moments[m].noalias() += r.outer.row(k).transpose() * larger_out.row(m);
+      }
     }
-  }
-  for (int m = 0; m <= modes; ++m)
-    part_of(m, kAboveToDown).topLeftCorner(n, n) =
-        scale.asDiagonal() * moments[m] * scale.asDiagonal();
+    return moments;
+  };
+  // From one panel to another, whose corner alone meets the kink.
+  const auto between = [&](const Rules& to, const Rules& from) {
+    std::vector<MatrixXd> moments(modes + 1, MatrixXd::Zero(to.panel->count, from.panel->count));
+    const VectorXd weight =
+        to.fine->weights.cwiseProduct(to.fine->points.unaryExpr([&](double u) { return to.v(u); }));
+    for (Index k = 0; k < from.fine->points.size(); ++k) {
+      const double u = from.fine->points[k];
+      const MatrixXd sent = from.v(u) * from.fine->weights[k] *
+                            row(*to.panel, from.panel->mu(u), to.fine->points, weight, false) *
+                            to.outer;
+      for (int m = 0; m <= modes; ++m)
+        moments[m].noalias() += sent.row(m).transpose() * from.outer.row(k);
+    }
+    return moments;
+  };
+  for (const Rules& to : rules)
+    for (const Rules& from : rules) {
+      const std::vector<MatrixXd> moments = &to == &from ? within(to) : between(to, from);
+      for (int m = 0; m <= modes; ++m)
+        part_of(m, kAboveToDown)
+            .block(to.panel->first, from.panel->first, to.panel->count, from.panel->count) =
+            to.scale.asDiagonal() * moments[m] * from.scale.asDiagonal();
+    }
 
   // Nodes and directions that are asked for.
   const auto asked = [&](double mu, bool mu_is_out) {
-    const double u = sets.map.parameter(mu);
-    VectorXd points(2 * q), weight(2 * q);
-    points << u * fine.points, u + (1 - u) * fine.points.array();
-    weight << u * fine.weights, (1 - u) * fine.weights;
-    weight = weight.cwiseProduct(points.unaryExpr(v));
-    return MatrixXd(row(mu, points, weight, mu_is_out) * lagrange_values(nodes, points) *
-                    scale.asDiagonal());
+    MatrixXd result(modes + 1, n);
+    for (const Rules& r : rules) {
+      const double u = r.panel->parameter(mu);
+      const Index q = r.fine->points.size();
+      VectorXd points(2 * q), weight(2 * q);
+      points << u * r.fine->points, u + (1 - u) * r.fine->points.array();
+      weight << u * r.fine->weights, (1 - u) * r.fine->weights;
+      if (rules.size() > 1 && (u == 0 || u == 1)) {
+        points = r.fine->points;
+        weight = r.fine->weights;
+      }
+      weight = weight.cwiseProduct(points.unaryExpr([&](double w) { return r.v(w); }));
+      result.middleCols(r.panel->first, r.panel->count) =
+          row(*r.panel, mu, points, weight, mu_is_out) * lagrange_values(*r.nodes, points) *
+          r.scale.asDiagonal();
+    }
+    return result;
   };
   for (Index i = n; i < sets.out.size(); ++i) {
     const MatrixXd down = asked(sets.out[i], true);

@@ -45,9 +45,11 @@ struct DeterministicOptions {
 /// Scattering orders 1, 2, 3, 4 and more, all.
 inline constexpr int kSolvedOrders = 5;
 
-/// f [1/sr] by order; the delta is left out.
+/// f [1/sr] by order; deltas are left out. Where a boundary is rough all of them hold what
+/// ClosedOrders leaves.
 struct DeterministicValue {
   std::array<Rgb, kSolvedOrders> order;
+  Rgb zero;   ///< of order 0, light that met boundaries alone; part of order[4]
   Rgb error;  ///< absolute, of all orders together: nodes, and this pair's own tail of modes
   bool exact_second = false;  ///< order 2 was integrated directly
 };
@@ -59,9 +61,14 @@ struct DeterministicEnergies {
   Rgb uncollided, absorbed;
   /// Lost to the depth of a half space (one-sided flakes that face down), by order like the others.
   std::array<Rgb, kSolvedOrders> escaped;
+  /// Of order 0, which has met boundaries alone; part of the sums over all orders.
+  Rgb zero_reflected, zero_transmitted, zero_escaped;
+  /// The part of what is reflected that is a delta: orders 1, 2, 3, 4+, all, 0.
+  std::array<Rgb, kSolvedOrders + 1> specular_of;
+  Rgb lost;  ///< by single scattering at rough boundaries
 
   [[nodiscard]] Rgb sum() const {
-    return reflected[4] + transmitted[4] + uncollided + absorbed + escaped[4];
+    return reflected[4] + transmitted[4] + uncollided + absorbed + escaped[4] + lost;
   }
 };
 
@@ -74,7 +81,7 @@ struct DeterministicEnergies {
 class DeterministicField {
  public:
   /// f for incoming cosine i and outgoing cosine o of the lists. x = pi - phi, phi the azimuth of
-  /// w_o relative to w_i. Orders 2 and up only: order 1 is left at 0.
+  /// w_o relative to w_i. Without closed_orders: order 1 is left at 0 unless a boundary is rough.
   [[nodiscard]] DeterministicValue multiple(std::size_t i, std::size_t o, double x) const;
   /// The error of `multiple` in means over azimuths so far [radians] apart: modes that were left
   /// out count by what such a mean leaves of them.
@@ -84,8 +91,9 @@ class DeterministicField {
   /// (volume/solver/second_order.h; milliseconds), and the fit of volume/solver/mode_tail.h stands
   /// for what is left out of order 3.
   [[nodiscard]] DeterministicValue multiple_refined(std::size_t i, std::size_t o, double x) const;
-  /// Mode m of the orders 2 and up (4: their sum) [1/sr]: f = sum over m of (2 - [m = 0]) f_m
-  /// cos(m x). What an average over cells of phi needs.
+  /// Mode m of the orders 2, 3 and 4 and more (1 to 3; 4: their sum) [1/sr]: f = sum over m of
+  /// (2 - [m = 0]) f_m cos(m x). What an average over cells of phi needs. Where a boundary is rough
+  /// order 0 stands for order 1, 5 for order 0 but for its closed part, and 4 holds them all.
   [[nodiscard]] double mode(int channel, int order, int m, std::size_t i, std::size_t o) const;
   /// Mean over the azimuth of all orders, the first included.
   [[nodiscard]] double mean(int channel, std::size_t i, std::size_t o) const;
@@ -103,16 +111,17 @@ class DeterministicField {
   std::array<int, 3> channel_of_{};
   std::vector<double> mu_i_, mu_o_;
   double tolerance_ = 0, error_ = 0, second_error_ = 0;
+  bool is_first_closed_ = true;
 
   [[nodiscard]] DeterministicValue evaluate(std::size_t i, std::size_t o, double x,
                                             bool may_integrate) const;
 };
 
 /// Light in a stack that is symmetric about z, by adding and doubling over azimuthal modes; the
-/// derivation is in volume/DETERMINISTIC.md. Single scattering is exact; orders 2, 3 and 4+ come
-/// from the modes, where the orders 1 to 3 are followed as such (successive orders) and 4+ is the
-/// rest. Directions need not be nodes: each becomes a direction without weight, which receives the
-/// exact integral of the source function.
+/// derivation is in volume/DETERMINISTIC.md. Single scattering is exact unless a boundary is rough;
+/// orders 2, 3 and 4+ come from the modes, where the orders 1 to 3 are followed as such (successive
+/// orders) and 4+ is the rest. Directions need not be nodes: each becomes a direction without
+/// weight, which receives the exact integral of the source function.
 class DeterministicSolution {
  public:
   /// f for one pair, mu = 0 as the limit from above, not both. Many pairs are cheaper by `field`.

@@ -34,14 +34,22 @@ double continue_modes(Eigen::ArrayXd& modes, const ModeTail& tail, double allowe
 
 }  // namespace
 
-Cosines::Cosines(std::span<const double> mu) {
-  for (const double m : mu) distinct.push_back(std::max(std::abs(m), kGrazingLimit));
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+OuterIndices::OuterIndices(const Stack& stack) : below(stack.index_of(stack.layers.size())) {}
+
+Cosines::Cosines(std::span<const double> mu, const OuterIndices& indices) {
+  const auto key = [&](double m) {
+    return std::pair(m < 0 ? indices.below : indices.above, std::max(std::abs(m), kGrazingLimit));
+  };
+  std::vector<std::pair<double, double>> keys;
+  for (const double m : mu) keys.push_back(key(m));
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  for (const auto& [index, cosine] : keys) {
+    distinct.push_back(cosine);
+    asked.push_back({cosine, index});
+  }
   for (const double m : mu)
-    place.push_back(
-        std::lower_bound(distinct.begin(), distinct.end(), std::max(std::abs(m), kGrazingLimit)) -
-        distinct.begin());
+    place.push_back(std::lower_bound(keys.begin(), keys.end(), key(m)) - keys.begin());
 }
 
 int part_of(double mu_i, double mu_o) {
@@ -59,10 +67,6 @@ const Series& part_of(const LayerOperator& op, int part) {
     default:
       return op.below.t;
   }
-}
-
-MatrixXd asked(const MatrixXd& m, Index nodes) {
-  return m.bottomRightCorner(m.rows() - nodes, m.cols() - nodes);
 }
 
 bool is_steep(const Medium& medium) {
@@ -85,6 +89,8 @@ DeterministicField::Channel::Tails DeterministicField::Channel::tails(int part, 
     seconds[m] = mode.second[part](row, column);
     thirds[m] = mode.third[part](row, column);
     others[m] = mode.higher[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
+    for (const Parts* more : {&mode.zero, &mode.first})
+      if ((*more)[part].size() > 0) others[m] += (*more)[part](row, column);
   }
   return {fit_mode_tail(seconds), fit_mode_tail(thirds), fit_mode_tail(others)};
 }

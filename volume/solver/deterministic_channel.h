@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "volume/adding/stack_modes.h"
+#include "volume/adding/stack_solver.h"
 #include "volume/solver/deterministic.h"
 #include "volume/solver/mode_tail.h"
 #include "volume/solver/second_order.h"
@@ -13,17 +14,27 @@
 
 namespace lamella {
 
-/// The distinct |mu| of a list, and the place of each entry among them.
+/// Indices of refraction above a stack and below it.
+struct OuterIndices {
+  double above = 1, below = 1;
+  explicit OuterIndices(const Stack& stack);
+};
+
+/// The distinct |mu| of a list, by side where the indices differ, and the place of each entry among
+/// them.
 struct Cosines {
   std::vector<double> distinct;
+  std::vector<AskedCosine> asked;  ///< the same with their indices
   std::vector<std::size_t> place;
-  explicit Cosines(std::span<const double> mu);
+  Cosines(std::span<const double> mu, const OuterIndices& indices);
 };
 
 /// Orders 2, 3 and 4+ of one azimuthal mode. Order 2 in two parts: what SecondOrder counts, and
-/// the rest (empty matrices where there is none).
+/// the rest (empty matrices where there is none). Orders 0 and 1 where a boundary is rough, else
+/// empty: what closed_orders does not have.
 struct OrderModes {
   Parts second, second_rest, third, higher;
+  Parts zero, first;
 };
 
 struct DeterministicField::Channel {
@@ -59,8 +70,6 @@ struct DeterministicField::Channel {
 
 [[nodiscard]] int part_of(double mu_i, double mu_o);
 [[nodiscard]] const Series& part_of(const LayerOperator& op, int part);
-/// The block of a matrix between directions that were asked for.
-[[nodiscard]] Eigen::MatrixXd asked(const Eigen::MatrixXd& m, Eigen::Index nodes);
 
 /// Whether a kernel is too steep for few modes: mirror flakes, a narrow forward peak.
 [[nodiscard]] bool is_steep(const Medium& medium);

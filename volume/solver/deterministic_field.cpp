@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "phase/stack/single_scattering.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic_channel.h"
 #include "volume/solver/mode_tail.h"
 #include "volume/solver/second_split.h"
@@ -45,9 +45,14 @@ double DeterministicField::mode(int channel, int order, int m, std::size_t i, st
     const MatrixXd& rest = mode.second_rest[part];
     return mode.second[part](row, column) + (rest.size() > 0 ? rest(row, column) : 0);
   };
+  const auto present = [&](const Parts& parts) {
+    return parts[part].size() > 0 ? parts[part](row, column) : 0;
+  };
   switch (order) {
     case 0:
-      return 0;
+      return present(mode.first);
+    case 5:
+      return present(mode.zero);
     case 1:
       return second();
     case 2:
@@ -55,7 +60,8 @@ double DeterministicField::mode(int channel, int order, int m, std::size_t i, st
     case 3:
       return mode.higher[part](row, column);
     default:
-      return second() + mode.third[part](row, column) + mode.higher[part](row, column);
+      return second() + mode.third[part](row, column) + mode.higher[part](row, column) +
+             present(mode.first) + present(mode.zero);
   }
 }
 
@@ -88,7 +94,7 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
                                                 bool may_integrate) const {
   struct Sums {
     std::array<double, kSolvedOrders> order{};
-    double error = 0;
+    double zero = 0, error = 0;
     bool exact = false;
   };
   std::vector<Sums> sums(channels_.size());
@@ -100,6 +106,7 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
     const std::size_t count = c.modes.size();
     const double step = 2 * std::cos(x);
     double before = step / 2, now = 1, second = 0, second_rest = 0, third = 0, higher = 0;
+    double zero = 0, first = 0;
     for (std::size_t m = 0; m < count; ++m) {
       const OrderModes& mode = c.modes[m];
       const double weight = m == 0 ? 1 : 2 * now;
@@ -110,6 +117,8 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       second_rest += weight * r;
       third += weight * t;
       higher += weight * h;
+      if (mode.first[part].size() > 0) first += weight * mode.first[part](row, column);
+      if (mode.zero[part].size() > 0) zero += weight * mode.zero[part](row, column);
       const double next = step * now - before;
       before = now;
       now = next;
@@ -146,13 +155,16 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       if (may_integrate && !integrated) second += second_tail.sum(x);
       sum.error += left_out + (c.second && !integrated ? second_error_ * scale : 0);
     }
-    sum.order = {0, second + second_rest, third, higher, second + second_rest + third + higher};
+    sum.order = {first, second + second_rest, third, higher, second + second_rest + third + higher};
+    if (!is_first_closed_) sum.order[4] += first + zero;
+    sum.zero = zero;
   }
   DeterministicValue value;
   for (int channel = 0; channel < 3; ++channel) {
     const Sums& sum = sums[channel_of_[channel]];
-    for (int order = 1; order < kSolvedOrders; ++order)
+    for (int order = 0; order < kSolvedOrders; ++order)
       value.order[order][channel] = sum.order[order];
+    value.zero[channel] = sum.zero;
     value.error[channel] = sum.error;
     value.exact_second |= sum.exact;
   }
@@ -192,31 +204,51 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
   field.tolerance_ = tolerance_;
   field.error_ = accuracy_.node_error;
   field.second_error_ = accuracy_.second_error;
+  field.is_first_closed_ = is_first_closed(stack_);
+  const OuterIndices outer(stack_);
   for (std::size_t k = 0; k < channels_.size(); ++k) {
-    auto channel = std::make_shared<DeterministicField::Channel>(DeterministicField::Channel{
-        {}, {}, faint_[k], Cosines(mu_i), Cosines(mu_o), {}, {}, std::nullopt, {}, {}, {}, {}});
+    auto channel = std::make_shared<DeterministicField::Channel>(
+        DeterministicField::Channel{{},
+                                    {},
+                                    faint_[k],
+                                    Cosines(mu_i, outer),
+                                    Cosines(mu_o, outer),
+                                    {},
+                                    {},
+                                    std::nullopt,
+                                    {},
+                                    {},
+                                    {},
+                                    {}});
     for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
     for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
-    const DirectionSets sets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
-                             grazing_map(stack_));
-    const Index nodes = sets.nodes();
-    StackModes modes(stack_, channels_[k], sets, 3);
+    const std::unique_ptr<StackSolver> solver = make_stack_solver(
+        stack_, channels_[k], accuracy_.nodes, channel->out.asked, channel->in.asked, 3);
     std::optional<SecondSplit> split;
     if (steep_) {
       channel->second.emplace(stack_, channels_[k]);
-      split.emplace(stack_, channels_[k], sets);
+      split.emplace(stack_, channels_[k],
+                    DirectionSets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
+                                  grazing_map(stack_)));
     }
-    modes.prepare(modes_[k]);
+    solver->prepare(modes_[k]);
     channel->modes.resize(modes_[k]);
     oneapi::tbb::parallel_for(0, modes_[k], [&](int m) {
-      const LayerOperator op = modes.mode(m);
+      const AskedMode mode = solver->asked_mode(m);
       OrderModes& orders = channel->modes[m];
       for (int part = 0; part < 4; ++part) {
-        const Series& s = part_of(op, part);
-        orders.second[part] = asked(s[2], nodes);
-        orders.third[part] = asked(s[3], nodes);
-        orders.higher[part] = asked(s[0] - s[1] - s[2] - s[3], nodes);
-        if (m == 0) channel->mean[part] = asked(s[0], nodes);
+        const auto s = [&](int series) -> const MatrixXd& { return mode.series[series][part]; };
+        orders.second[part] = s(2);
+        orders.third[part] = s(3);
+        orders.higher[part] = s(0) - s(1) - s(2) - s(3);
+        if (!field.is_first_closed_) {
+          orders.first[part] = s(1);
+          if (s(kOrderZero).size() > 0) {
+            orders.zero[part] = s(kOrderZero);
+            orders.higher[part] -= s(kOrderZero);
+          }
+        }
+        if (m == 0) channel->mean[part] = s(0);
       }
     });
     if (split)
@@ -241,9 +273,10 @@ DeterministicValue DeterministicSolution::f(Direction wi, Direction wo) const {
   const double mu_i[] = {wi.z}, mu_o[] = {wo.z};
   const double phi = std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
   DeterministicValue value = field(mu_i, mu_o).multiple_refined(0, 0, kPi - phi);
-  const SingleScattering single = single_scattering(stack_, wi, wo);
-  value.order[0] = single.layers + single.substrate;
-  value.order[4] += value.order[0];
+  const ClosedOrders closed = closed_orders(stack_, wi, wo);
+  value.order[0] += closed.one;
+  value.zero += closed.zero;
+  value.order[4] += closed.all();
   return value;
 }
 
@@ -251,27 +284,30 @@ std::vector<DeterministicEnergies> DeterministicSolution::energies(
     std::span<const double> mu_i) const {
   check_sides(stack_, mu_i);
   std::vector<DeterministicEnergies> result(mu_i.size());
-  const Cosines in(mu_i);
+  const Cosines in(mu_i, OuterIndices(stack_));
   for (std::size_t k = 0; k < channels_.size(); ++k) {
-    StackModes modes(stack_, channels_[k],
-                     DirectionSets(accuracy_.nodes, {}, in.distinct, grazing_map(stack_)), 3);
-    modes.prepare(1);
-    const LayerOperator op = modes.mode(0);
-    const Index nodes = modes.sets().nodes();
-    const Eigen::VectorXd& flux = modes.sets().flux;
+    const std::unique_ptr<StackSolver> solver =
+        make_stack_solver(stack_, channels_[k], accuracy_.nodes, {}, in.asked, 3);
+    solver->prepare(1);
+    const AskedMode mode = solver->asked_mode(0);
     for (std::size_t i = 0; i < mu_i.size(); ++i) {
-      const OperatorSide& side = mu_i[i] < 0 ? op.below : op.above;
-      const Index column = nodes + static_cast<Index>(in.place[i]);
-      const auto energy = [&](const Series& series, int order) {
-        return flux.dot(series[order].col(column).head(nodes));
+      const AskedEnergies& side = mode.energies[mu_i[i] < 0];
+      const Index place = static_cast<Index>(in.place[i]);
+      const auto beam = [&](int series) {
+        return side.mirrored[series].size() > 0 ? side.mirrored[series][place] : 0;
       };
-      const auto split = [&](const Series& series) {
-        std::array<double, kSolvedOrders> e{energy(series, 1), energy(series, 2), energy(series, 3),
-                                            0, energy(series, 0)};
-        e[3] = e[4] - e[0] - e[1] - e[2];
+      const auto split = [&](const auto& diffuse, bool with_beams, double& zero) {
+        const auto energy = [&](int series) {
+          return diffuse[series][place] + (with_beams ? beam(series) : 0);
+        };
+        std::array<double, kSolvedOrders> e{energy(1), energy(2), energy(3), 0, energy(0)};
+        zero = energy(kOrderZero);
+        e[3] = e[4] - e[0] - e[1] - e[2] - zero;
         return e;
       };
-      const auto reflected = split(side.r), transmitted = split(side.t);
+      double zero_reflected = 0, zero_transmitted = 0;
+      const auto reflected = split(side.reflected, true, zero_reflected);
+      const auto transmitted = split(side.transmitted, false, zero_transmitted);
       for (int channel = 0; channel < 3; ++channel) {
         if (channel_of_[channel] != static_cast<int>(k)) continue;
         DeterministicEnergies& e = result[i];
@@ -280,8 +316,17 @@ std::vector<DeterministicEnergies> DeterministicSolution::energies(
           if (stack_.is_open_below()) e.transmitted[order][channel] = transmitted[order];
           if (stack_.is_half_space()) e.escaped[order][channel] = transmitted[order];
         }
-        e.uncollided[channel] = side.direct_in[column];
-        e.absorbed[channel] = side.absorbed[column];
+        e.zero_reflected[channel] = zero_reflected;
+        if (stack_.is_open_below()) e.zero_transmitted[channel] = zero_transmitted;
+        if (stack_.is_half_space()) e.zero_escaped[channel] = zero_transmitted;
+        for (int order = 1; order < kSeries; ++order)
+          e.specular_of[order - 1][channel] = beam(order);
+        e.specular_of[4][channel] = beam(0);
+        e.specular_of[5][channel] = beam(kOrderZero);
+        e.specular_of[3][channel] = beam(0) - beam(1) - beam(2) - beam(3) - beam(kOrderZero);
+        e.uncollided[channel] = side.direct[place];
+        e.absorbed[channel] = side.absorbed[place];
+        e.lost[channel] = side.lost[place];
       }
     }
   }

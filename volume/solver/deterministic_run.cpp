@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "phase/math/larger_error.h"
-#include "phase/stack/single_scattering.h"
 #include "volume/quadrature/cell_quadrature.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/row_sampler.h"
 
 namespace lamella {
@@ -27,10 +27,10 @@ Eigen::MatrixXd column_cosines(const CellGrid& grid, int modes) {
   return cosines;
 }
 
-// Order 1 on the cells of one side.
-std::vector<CellMean> single_scattering_cells(const Stack& stack, const CellGrid& grid,
-                                              Direction wi, bool up,
-                                              const std::vector<Rgb>& tolerance_of_row) {
+// A closed order on the cells of one side.
+template <class Order>
+std::vector<CellMean> closed_cells(const CellGrid& grid, Direction wi, bool up,
+                                   const std::vector<Rgb>& tolerance_of_row, const Order& order) {
   std::vector<CellMean> cells(grid.cells());
   // Mirror flakes and strong forward scattering peak about the mirror direction and straight on.
   const double mu_i = std::abs(wi.z);
@@ -39,11 +39,7 @@ std::vector<CellMean> single_scattering_cells(const Stack& stack, const CellGrid
   tbb::parallel_for(0, grid.cells(), [&](int cell) {
     const int row = cell / grid.columns(), column = cell % grid.columns();
     cells[cell] = cell_mean(
-        [&](double mu, double phi) {
-          const SingleScattering s =
-              single_scattering(stack, wi, direction_from_mu_phi(side * mu, turn + phi));
-          return s.layers + s.substrate;
-        },
+        [&](double mu, double phi) { return order(direction_from_mu_phi(side * mu, turn + phi)); },
         {grid.edge_mu(row + 1), grid.edge_mu(row), grid.edge_phi(column),
          grid.edge_phi(column + 1)},
         tolerance_of_row[row], peaks);
@@ -54,7 +50,7 @@ std::vector<CellMean> single_scattering_cells(const Stack& stack, const CellGrid
 // Whether there are mirror flakes, whose phase functions jump straight on.
 bool has_mirrors(const Stack& stack) {
   return std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
-    return traits(layer.medium).shape == PhaseShape::jump;
+    return !layer.interface && traits(layer.medium).shape == PhaseShape::jump;
   });
 }
 
@@ -69,6 +65,7 @@ struct Assembly {
   double lobes(SideResult& side, std::size_t i, Direction wi, bool up) const {
     const std::size_t cells = grid.cells();
     for (LobeEstimate& lobe : side.lobes) {
+      if (&lobe == &side.lobes[kZeroLobe] && is_first_closed(solution.stack())) continue;
       lobe.value.assign(channels * cells, 0);
       lobe.standard_error.assign(channels * cells, 0);
     }
@@ -77,8 +74,16 @@ struct Assembly {
       for (int c = 0; c < 3; ++c)
         allowed[row][c] = kQuadratureShare * std::max(tolerance, 1e-12) *
                           sampler.row(i, std::min(c, channels - 1), up, row).scale;
+    const Stack& stack = solution.stack();
+    const auto closed = [&](Rgb ClosedOrders::*order) {
+      return closed_cells(grid, wi, up, allowed,
+                          [&, order](Direction wo) { return closed_orders(stack, wi, wo).*order; });
+    };
+    const bool is_rough = !is_first_closed(stack);
     const std::vector<CellMean> single =
-        single_scattering_cells(solution.stack(), grid, wi, up, allowed);
+        is_rough ? std::vector<CellMean>(cells) : closed(&ClosedOrders::one);
+    const std::vector<CellMean> zero =
+        is_rough ? closed(&ClosedOrders::zero) : std::vector<CellMean>();
     double worst = 0;
     for (int c = 0; c < channels; ++c) {
       // Rows have as many modes as their points needed.
@@ -95,15 +100,28 @@ struct Assembly {
           side.lobes[0].value[k] = single[cell].value[c];
           side.lobes[0].standard_error[k] = single[cell].error[c];
           double all = single[cell].value[c];
-          for (int order = 0; order < kModeOrders; ++order) {
+          double error = means.error + single[cell].error[c];
+          const auto sum_of = [&](const std::vector<double>& mode) {
             double f = 0;
-            for (int m = 0; m < modes; ++m)
-              f += (m == 0 ? 1 : 2) * means.mode[order][m] * cosines(column, m);
+            for (int m = 0; m < modes; ++m) f += (m == 0 ? 1 : 2) * mode[m] * cosines(column, m);
+            return f;
+          };
+          for (int order = 0; order < kModeOrders; ++order) {
+            const double f = sum_of(means.mode[order]);
             side.lobes[order + 1].value[k] = f;
             side.lobes[order + 1].standard_error[k] = means.error;
             all += f;
           }
-          const double error = means.error + single[cell].error[c];
+          if (is_rough) {
+            const double first = sum_of(means.mode[kFirstInModes]);
+            const double rest = sum_of(means.mode[kZeroInModes]);
+            side.lobes[0].value[k] += first;
+            side.lobes[0].standard_error[k] += means.error;
+            side.lobes[kZeroLobe].value[k] = zero[cell].value[c] + rest;
+            side.lobes[kZeroLobe].standard_error[k] = zero[cell].error[c] + means.error;
+            all += first + rest + zero[cell].value[c];
+            error += zero[cell].error[c];
+          }
           side.lobes[kTallyOrders].value[k] = all;
           side.lobes[kTallyOrders].standard_error[k] = error;
           if (means.scale != 0) worst = larger_error(worst, error / means.scale);
@@ -115,7 +133,9 @@ struct Assembly {
 
   // An energy from the solver's nodes: its error is theirs and how far the cells are from it, which
   // tells that of order 2 where only the cells have it integrated.
-  [[nodiscard]] Estimate energy(double on_nodes, const SideResult& side, int lobe, int c) const {
+  // beams: what the cells do not hold of it.
+  [[nodiscard]] Estimate energy(double on_nodes, double beams, const SideResult& side, int lobe,
+                                int c) const {
     const DeterministicAccuracy& accuracy = solution.accuracy();
     const std::size_t cells = grid.cells();
     double off = 0, error = accuracy.node_error;
@@ -124,15 +144,27 @@ struct Assembly {
     if (!side.lobes[lobe].value.empty()) {
       double sum = 0;
       for (std::size_t k = 0; k < cells; ++k) sum += side.lobes[lobe].value[c * cells + k];
-      off = std::abs(grid.projected_solid_angle() * sum - on_nodes);
+      off = std::abs(grid.projected_solid_angle() * sum + beams - on_nodes);
     }
     return {on_nodes, off + error * std::abs(on_nodes)};
   }
 
-  void energies(SideResult& side, const std::array<Rgb, kSolvedOrders>& on_nodes) const {
+  struct SideEnergies {
+    const std::array<Rgb, kSolvedOrders>& orders;
+    Rgb zero;
+    const DeterministicEnergies* beams;  // of the side that has them
+  };
+  void energies(SideResult& side, const SideEnergies& on_nodes) const {
     for (int c = 0; c < channels; ++c) {
-      for (int o = 0; o < kTallyOrders; ++o) side.orders[o][c] = energy(on_nodes[o][c], side, o, c);
-      side.total[c] = energy(on_nodes[kTallyOrders][c], side, kTallyOrders, c);
+      const auto beam = [&](int series) {
+        return on_nodes.beams ? on_nodes.beams->specular_of[series][c] : 0;
+      };
+      for (int o = 0; o < kTallyOrders; ++o)
+        side.orders[o][c] = energy(on_nodes.orders[o][c], beam(o), side, o, c);
+      side.total[c] =
+          energy(on_nodes.orders[kTallyOrders][c], beam(kTallyOrders), side, kTallyOrders, c);
+      side.zero[c] = energy(on_nodes.zero[c], beam(kTallyOrders + 1), side, kZeroLobe, c);
+      side.specular[c] = {beam(kTallyOrders), 0};
     }
   }
 };
@@ -182,15 +214,19 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
       const bool up = (run.incident.z > 0) == reflected;
       if (up || plan.transmits)
         error = larger_error(error, assembly.lobes(side, i, run.incident, up));
-      assembly.energies(side, reflected                          ? energies[i].reflected
-                              : solution.stack().is_half_space() ? energies[i].escaped
-                                                                 : energies[i].transmitted);
+      const DeterministicEnergies& e = energies[i];
+      const bool half = solution.stack().is_half_space();
+      assembly.energies(
+          side, reflected ? Assembly::SideEnergies{e.reflected, e.zero_reflected, &e}
+                : half    ? Assembly::SideEnergies{e.escaped, e.zero_escaped, nullptr}
+                          : Assembly::SideEnergies{e.transmitted, e.zero_transmitted, nullptr});
     }
     for (int c = 0; c < plan.channels; ++c) {
       const double defect = std::abs(energies[i].sum()[c] - 1);
       run.uncollided[c] = {energies[i].uncollided[c], 0};
       run.absorbed[c] = {energies[i].absorbed[c],
                          defect + solution.accuracy().node_error * energies[i].absorbed[c]};
+      run.lost[c] = {energies[i].lost[c], solution.accuracy().node_error * energies[i].lost[c]};
       run.accuracy->energy_defect = larger_error(c == 0 ? 0 : run.accuracy->energy_defect, defect);
     }
     run.accuracy->reached = error <= tolerance && run.accuracy->energy_defect <= tolerance;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "phase/math/larger_error.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
 #include "volume/solver/deterministic_channel.h"
 #include "volume/solver/mode_tail.h"
@@ -31,6 +32,16 @@ constexpr double kDark = 1e-200;  // [1/sr] less is no light
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The probes above the stack, and below it where they are other directions there.
+std::vector<AskedCosine> probes(const std::vector<double>& cosines, const OuterIndices& outer,
+                                bool below) {
+  std::vector<AskedCosine> asked;
+  for (const double mu : cosines) asked.push_back({mu, outer.above});
+  if (below && outer.below != outer.above)
+    for (const double mu : cosines) asked.push_back({mu, outer.below});
+  return asked;
 }
 
 // What the probes see at one number of nodes. second: the part of order 2 that may be integrated
@@ -58,17 +69,17 @@ struct ProbeModes {
 
 // How far the energies of beams along the probes are from what any stack does to light: their sum
 // from 1, and each from 0 where it is negative.
-double energy_defect(const LayerOperator& mean, const DirectionSets& sets, bool below) {
-  const Index nodes = sets.nodes();
+double energy_defect(const AskedMode& mean, bool below) {
   double defect = 0;
-  for (const OperatorSide* side : {&mean.above, &mean.below}) {
-    if (side == &mean.below && !below) break;
-    for (Index j = nodes; j < sets.in.size(); ++j) {
-      const double reflected = sets.flux.dot(side->r[0].col(j).head(nodes));
-      const double transmitted = sets.flux.dot(side->t[0].col(j).head(nodes));
-      const double absorbed = side->absorbed[j];
-      defect = larger_error(defect,
-                            std::abs(reflected + transmitted + absorbed + side->direct_in[j] - 1));
+  for (const AskedEnergies& side : mean.energies) {
+    if (&side == &mean.energies[1] && !below) break;
+    for (Index j = 0; j < side.absorbed.size(); ++j) {
+      const double reflected = side.reflected[0][j];
+      const double transmitted = side.transmitted[0][j];
+      const double absorbed = side.absorbed[j];
+      const double mirrored = side.mirrored[0].size() > 0 ? side.mirrored[0][j] : 0;
+      defect = larger_error(defect, std::abs(reflected + transmitted + absorbed + side.direct[j] +
+                                             mirrored + side.lost[j] - 1));
       for (const double energy : {reflected, transmitted, absorbed})
         defect = larger_error(defect, -energy);
     }
@@ -82,6 +93,7 @@ struct Limits {
   std::size_t max_bytes;
   double seconds;  // left
   bool steep;
+  bool is_first_closed;
   const std::atomic<bool>* stop;
   std::function<void(int modes)> report;
 };
@@ -103,15 +115,14 @@ double left_out(const ProbeModes& probes, int parts) {
 // Stops once four successive modes are below tolerance / 10 at every probe and the estimated tail
 // is below tolerance / 2. If the tail falls too slowly for that, stops at twice the number of modes
 // at which the first test passed.
-ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const Limits& limits,
+ProbeModes solve_probes(StackSolver& stack, SecondSplit* split, int parts, const Limits& limits,
                         DeterministicLimit& ended) {
   const auto start = std::chrono::steady_clock::now();
   ProbeModes result;
-  const Index nodes = stack.sets().nodes();
   const int threads = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
   int quiet = 0, first_quiet = 0;
   ended = DeterministicLimit::modes;
-  std::vector<LayerOperator> solved(threads);
+  std::vector<AskedMode> solved(threads);
   for (int first = 0, count = 0; first < limits.max_modes; first += count) {
     if (first == stack.ready() && !stack.prepare_more(limits.max_bytes)) {
       ended = DeterministicLimit::memory;
@@ -127,23 +138,25 @@ ProbeModes solve_probes(StackModes& stack, SecondSplit* split, int parts, const 
     }
     limits.report(first);
     count = std::min({threads, stack.ready() - first, limits.max_modes - first});
-    oneapi::tbb::parallel_for(0, count, [&](int k) { solved[k] = stack.mode(first + k); });
-    if (first == 0) result.energy_defect = energy_defect(solved[0], stack.sets(), parts > 1);
+    oneapi::tbb::parallel_for(0, count, [&](int k) { solved[k] = stack.asked_mode(first + k); });
+    if (first == 0) result.energy_defect = energy_defect(solved[0], parts > 1);
     for (int k = 0; k < count; ++k) {
       const int m = first + k;
       Parts rest, second;
       double size = 0;
       const std::optional<Parts> counted = split ? split->counted(m) : std::nullopt;
       for (int part = 0; part < parts; ++part) {
-        const Series& series = part_of(solved[k], part);
+        const auto series = [&](int index) -> const MatrixXd& {
+          return solved[k].series[index][part];
+        };
         if (m == 0) {
-          result.mean[part] = asked(series[0], nodes);
+          result.mean[part] = series(0);
           result.finite = result.finite && result.mean[part].allFinite();
           result.faint[part] = std::max(kFaint * result.mean[part].maxCoeff(), kDark);
         }
-        rest[part] = asked(series[0] - series[1], nodes);
+        rest[part] = limits.is_first_closed ? MatrixXd(series(0) - series(1)) : series(0);
         if (limits.steep) {
-          second[part] = counted ? (*counted)[part] : asked(series[2], nodes);
+          second[part] = counted ? (*counted)[part] : series(2);
           rest[part] -= second[part];
         }
         result.finite =
@@ -223,7 +236,27 @@ Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, do
   return worst;
 }
 
+// Whether a law reflects two channels the same, as far as some directions tell.
+bool channels_equal(const SurfaceLaw& law, int a, int b) {
+  RandomStream unused(0, 0, StreamPurpose::walk);
+  for (const double mu : {1.0, 0.9, 0.6, 0.3, 0.05}) {
+    const Direction wi = direction_from_mu_phi(mu, 0);
+    if (law.is_delta()) {
+      const auto sample = law.sample(wi, unused);
+      if (sample && sample->weight[a] != sample->weight[b]) return false;
+      continue;
+    }
+    for (const double phi : {0.0, 1.0, 2.0, kPi}) {
+      const Rgb f = law.eval(wi, direction_from_mu_phi(0.7 * mu + 0.1, phi), unused);
+      if (f[a] != f[b]) return false;
+    }
+  }
+  return true;
+}
+
 bool channels_equal(const Stack& stack, int a, int b) {
+  if (stack.substrate && stack.substrate->law && !channels_equal(*stack.substrate->law, a, b))
+    return false;
   return std::all_of(
              stack.layers.begin(), stack.layers.end(),
              [&](const Layer& l) { return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b]; }) &&
@@ -238,8 +271,14 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   DeterministicSolution solution;
   solution.stack_ = stack;
   solution.tolerance_ = options.tolerance;
-  solution.steep_ = std::any_of(stack.layers.begin(), stack.layers.end(),
-                                [](const Layer& l) { return is_steep(l.medium); });
+  // Order 2 in closed form knows no boundaries.
+  solution.steep_ =
+      !stack.has_boundaries() && std::any_of(stack.layers.begin(), stack.layers.end(),
+                                             [](const Layer& l) { return is_steep(l.medium); });
+  const OuterIndices outer(stack);
+  const int parts = stack.is_open_below() ? 4 : 1;
+  const std::vector<AskedCosine> probes_in = probes(kProbesIn, outer, parts > 1),
+                                 probes_out = probes(kProbesOut, outer, parts > 1);
   for (int c = 0; c < 3; ++c) {
     int same = 0;
     while (!channels_equal(stack, same, c)) ++same;
@@ -248,7 +287,6 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
         static_cast<int>(std::find(solution.channels_.begin(), solution.channels_.end(), same) -
                          solution.channels_.begin());
   }
-  const int parts = stack.is_open_below() ? 4 : 1;
   const std::size_t channels = solution.channels_.size();
   std::vector<ProbeModes> coarse(channels);
   DeterministicAccuracy& accuracy = solution.accuracy_;
@@ -262,10 +300,12 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     DeterministicLimit ended = DeterministicLimit::none;
     for (std::size_t k = 0; k < channels; ++k) {
       const int channel = solution.channels_[k];
-      const DirectionSets sets(nodes, kProbesOut, kProbesIn, grazing_map(stack));
-      StackModes modes(stack, channel, sets, solution.steep_ ? 2 : 1);
+      const std::unique_ptr<StackSolver> modes =
+          make_stack_solver(stack, channel, nodes, probes_out, probes_in, solution.steep_ ? 2 : 1);
       std::optional<SecondSplit> split;
-      if (solution.steep_) split.emplace(stack, channel, sets);
+      if (solution.steep_)
+        split.emplace(stack, channel,
+                      DirectionSets(nodes, kProbesOut, kProbesIn, grazing_map(stack)));
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
       int max_modes = std::min(options.max_modes, 16 * nodes + 24);
@@ -275,6 +315,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                           options.max_bytes,
                           2 * options.max_seconds - seconds_since(start),
                           solution.steep_,
+                          is_first_closed(stack),
                           options.stop,
                           [&](int done) {
                             if (options.report)
@@ -283,7 +324,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                                               .error = accuracy.error,
                                               .seconds = seconds_since(start)});
                           }};
-      ProbeModes fine = solve_probes(modes, split ? &*split : nullptr, parts, limits, this_ended);
+      ProbeModes fine = solve_probes(*modes, split ? &*split : nullptr, parts, limits, this_ended);
       if (this_ended != DeterministicLimit::none) ended = this_ended;
       const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);
       now.node_error = larger_error(now.node_error, errors.nodes);
@@ -295,7 +336,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       mode_counts[k] = static_cast<int>(fine.rest.size());
       faint[k] = fine.faint;
       now.modes = std::max(now.modes, mode_counts[k]);
-      now.bytes = std::max(now.bytes, modes.bytes());
+      now.bytes = std::max(now.bytes, modes->bytes());
       coarse[k] = std::move(fine);
     }
     for (int c = 0; c < 3; ++c) now.channel_modes[c] = mode_counts[solution.channel_of_[c]];

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "volume/quadrature/quadrature.h"
+#include "volume/solver/closed_orders.h"
 
 namespace lamella {
 namespace {
@@ -48,7 +49,7 @@ double series_error(const Eigen::VectorXd& coefficients, bool one_row) {
 }  // namespace
 
 RowModes& RowModes::operator+=(const RowModes& part) {
-  for (int order = 0; order < kModeOrders; ++order) {
+  for (int order = 0; order < kAllModeOrders; ++order) {
     std::vector<double>& sum = mode[order];
     sum.resize(std::max(sum.size(), part.mode[order].size()), 0.0);
     for (std::size_t m = 0; m < part.mode[order].size(); ++m) sum[m] += part.mode[order][m];
@@ -168,6 +169,7 @@ RowSampler::RowSampler(const DeterministicSolution& solution, const CellGrid& gr
       grid_(grid),
       channels_(channels),
       sides_(both_sides ? 2 : 1),
+      orders_(is_first_closed(solution.stack()) ? kModeOrders : kAllModeOrders),
       mu_i_(std::move(mu_i)),
       tolerance_(tolerance),
       stop_(stop),
@@ -234,12 +236,14 @@ bool RowSampler::take(const Panel& panel, const Eigen::MatrixXd& weights,
   if (rows == 1)
     weight = weights.row(0).transpose().cwiseQuotient(cached_gauss_legendre(n).weights);
   double left = 0;
-  Eigen::MatrixXd values(n, kModeOrders);
+  // The field's numbers of those orders.
+  constexpr std::array<int, kAllModeOrders> kFieldOrder{1, 2, 3, 0, 5};
+  Eigen::MatrixXd values(n, orders_);
   std::vector<Eigen::MatrixXd> means;
   for (int m = 0; m < modes; ++m) {
     for (int j = 0; j < n; ++j)
-      for (int order = 0; order < kModeOrders; ++order)
-        values(j, order) = field.mode(channel, order + 1, m, i, first + j);
+      for (int order = 0; order < orders_; ++order)
+        values(j, order) = field.mode(channel, kFieldOrder[order], m, i, first + j);
     means.emplace_back(weights * values);
     left += (m == 0 ? 1 : 2) * share_in_mean(m, width) *
             series_error(transform * weight.cwiseProduct(values.rowwise().sum()), rows == 1);
@@ -249,7 +253,7 @@ bool RowSampler::take(const Panel& panel, const Eigen::MatrixXd& weights,
     RowModes& row = parts[r];
     row.scale = row_scale[r];
     row.error = row_error[r] + left;
-    for (int order = 0; order < kModeOrders; ++order) {
+    for (int order = 0; order < orders_; ++order) {
       row.mode[order].resize(modes);
       for (int m = 0; m < modes; ++m) row.mode[order][m] = means[m](r, order);
     }

@@ -11,16 +11,16 @@
 
 namespace lamella {
 
-/// Orders that rows of cells are solved for: 2, 3, 4+.
-inline constexpr int kModeOrders = 3;
+/// Orders that rows of cells are solved for: 2, 3, 4+; where a boundary is rough, 1 and 0 as well.
+inline constexpr int kModeOrders = 3, kFirstInModes = 3, kZeroInModes = 4, kAllModeOrders = 5;
 /// Share of the tolerance for each quadrature over cells: that in mu, and that of order 1.
 inline constexpr double kQuadratureShare = 0.1;
 
 /// Azimuthal modes of the mean over one row of cells, or over a part of it.
 struct RowModes {
-  std::array<std::vector<double>, kModeOrders> mode;  ///< [order - 2][m]
-  double scale = 0;                                   ///< what errors are relative to
-  double error = 0;                                   ///< of all orders together, but order 1
+  std::array<std::vector<double>, kAllModeOrders> mode;  ///< [order][m], orders as above
+  double scale = 0;                                      ///< what errors are relative to
+  double error = 0;                                      ///< of all orders together, but order 1
 
   RowModes& operator+=(const RowModes& part);
 };
@@ -54,6 +54,7 @@ class RowSampler {
   const DeterministicSolution& solution_;
   const CellGrid& grid_;
   int channels_, sides_;
+  int orders_;  // of kAllModeOrders
   std::vector<double> mu_i_;
   double tolerance_;
   const std::atomic<bool>* stop_;

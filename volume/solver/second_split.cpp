@@ -33,9 +33,10 @@ std::optional<Parts> SecondSplit::counted(int m) {
   if (!(every_mode_ || (first_mode_ && m == 0))) return std::nullopt;
   modes_->prepare(m + 1);
   const LayerOperator op = modes_->mode(m);
+  const Eigen::Index nodes = modes_->sets().nodes();
   Parts result;
   for (int part = 0; part < 4; ++part)
-    result[part] = asked(part_of(op, part)[2], modes_->sets().nodes());
+    result[part] = asked_block(part_of(op, part)[2], nodes, nodes);
   return result;
 }
 
