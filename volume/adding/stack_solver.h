@@ -44,14 +44,6 @@ class StackSolver {
   [[nodiscard]] virtual AskedMode asked_mode(int m) const = 0;
 };
 
-/// The solver for a stack: StackModes, or PileModes where there are boundaries. Cosines as in
-/// AskedCosine; orders: how many of the orders 1 to 3 to keep apart. The stack must outlive it.
-[[nodiscard]] std::unique_ptr<StackSolver> make_stack_solver(const Stack& stack, int channel,
-                                                             int nodes,
-                                                             std::span<const AskedCosine> asked_out,
-                                                             std::span<const AskedCosine> asked_in,
-                                                             int orders);
-
 /// The block of a matrix between directions that were asked for; nothing of nothing.
 [[nodiscard]] inline Eigen::MatrixXd asked_block(const Eigen::MatrixXd& m, Eigen::Index row_nodes,
                                                  Eigen::Index column_nodes) {

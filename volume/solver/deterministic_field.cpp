@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "volume/adding/make_stack_solver.h"
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic_channel.h"
 #include "volume/solver/mode_tail.h"

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "phase/math/larger_error.h"
+#include "volume/adding/make_stack_solver.h"
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
 #include "volume/solver/deterministic_channel.h"

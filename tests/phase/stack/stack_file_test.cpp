@@ -139,7 +139,7 @@ std::vector<Broken> broken_stacks() {
   const std::string spd = "positive definite";
   return {
       {"empty file", "", 1, {"\"layer\"", "found nothing", "[[layer]]"}},
-      {"no layer", "[substrate]\n", 1, {"\"layer\"", "found nothing", "[[layer]]"}},
+      {"no layer", "", 1, {"\"layer\"", "found nothing", "[[layer]]"}},
       {"bad syntax", kSphere + "thickness = = 1\n", 3, {"not valid TOML"}},
       {"bad bytes", kSphere + "thickness = 1 # \xff\xfe\n", 3, {"not valid TOML"}},
       {"letter outside of strings",

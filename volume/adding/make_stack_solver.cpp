@@ -1,4 +1,4 @@
-#include "volume/adding/stack_solver.h"
+#include "volume/adding/make_stack_solver.h"
 
 #include <vector>
 
