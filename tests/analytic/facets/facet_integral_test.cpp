@@ -47,9 +47,9 @@ TEST(FacetIntegral, WhatIsReflectedRefractedAndLostIsAllThereIs) {
   double worst = 0;
   for (const FacetShape shape : kShapes)
     for (const double alpha : {1e-4, 0.1, 1.0})
-      for (const double ratio : {1.0001, 1.5, 3.0, 1 / 1.5})
+      for (const double ratio : {1.0001, 1.5, 1 / 1.5})
         for (const Masking masking : kMaskings)
-          for (const double mu : {1.0, 0.6, 0.02, 1e-7, kGrazingLimit}) {
+          for (const double mu : {0.6, 0.02, kGrazingLimit}) {
             const Facets facets{shape, alpha, alpha};
             const Direction w = direction_from_mu_phi(mu, 0);
             const double sum = reflected(facets, masking, ratio, w) +
