@@ -36,6 +36,8 @@ TEST_P(Ledger, SumsToOnePerChannelForEveryBuiltinStack) {
   for (const BuiltinStack& builtin : builtin_stacks()) {
     const Stack stack = load_stack(builtin.name);
     if (stack.grains()) continue;  // grain_walk_test.cpp
+    // A closed form as substrate has its law from the room compare.
+    if (stack.substrate && !stack.substrate->model.empty() && !stack.substrate->law) continue;
     const RunResult run =
         run_of(stack, plan_of(stack), direction_from_degrees(60, 30), Estimator::analog, 5000);
     for (int c = 0; c < run.channels; ++c)
