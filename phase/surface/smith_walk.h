@@ -18,7 +18,11 @@ struct SmithRay {
   double s = 0;       ///< depth among the facets, in [0, infinity]
   Direction back{};   ///< unit, back to where the light comes from, in the frame of its side
 
-  [[nodiscard]] static double other_side(double s) { return -std::log1p(-std::exp(-s)); }
+  /// The same depth counted from the other side, -ln(1 - exp(-s)): finite for every s > 0, as light
+  /// that arrives at grazing meets its first facet at s next to 0.
+  [[nodiscard]] static double other_side(double s) {
+    return s < 0.5 ? -std::log(-std::expm1(-s)) : -std::log1p(-std::exp(-s));
+  }
   /// The direction in the frame of the other side, or of the stack for a ray below.
   [[nodiscard]] static Direction turned(Direction w) { return {w.x, w.y, -w.z}; }
 
