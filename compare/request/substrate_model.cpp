@@ -48,9 +48,10 @@ Stack with_surface_model(Stack stack) {
   Substrate& s = *stack.substrate;
   const std::vector<std::string>& allowed = surface_models();
   if (std::find(allowed.begin(), allowed.end(), s.model) == allowed.end()) {
-    std::vector<std::string> names = allowed;
-    names.insert(names.begin(), "black");
+    std::vector<std::string> names{"lambert", "black"};
     if (!stack.grains()) names.push_back(kConductor);
+    for (const std::string& name : allowed)
+      if (name != names.front()) names.push_back(name);
     const std::string hint = suggestion(s.model, names);
     throw StackFileError(fmt::format("{}: substrate: key \"bsdf\": found \"{}\"{}; allowed: {}",
                                      s.where.at("bsdf"), s.model, hint.empty() ? "" : ", " + hint,

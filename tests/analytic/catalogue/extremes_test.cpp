@@ -78,7 +78,9 @@ TEST(Extremes, EveryClosedFormIsFiniteAtTheEndsOfItsParameters) {
                            : extremes(p));
     // All ends with all others of one parameter more: every pair of values occurs.
     for (std::size_t a = 0; a < values.size(); ++a)
-      for (std::size_t b = a + 1; b <= values.size(); ++b)
+      // Models with tables, which take a while to make: every value alone.
+      for (std::size_t b = info.alternatives.empty() ? a + 1 : values.size(); b <= values.size();
+           ++b)
         for (std::size_t i = 0; i < values[a].size(); ++i)
           for (std::size_t j = 0; j < (b < values.size() ? values[b].size() : 1); ++j) {
             Parameters p;
