@@ -85,8 +85,7 @@ TEST(Microfacet, AlbedoIsTheIntegralOfTheValues) {
     for (const char* compensation : {"none", "kulla_conty", "turquin"})
       for (const double mu : {0.3, -0.5}) {
         if (mu < 0 && std::string(material) != "dielectric") continue;
-        if (mu > 0 && std::string(material) == "dielectric" &&
-            std::string(compensation) == "turquin")
+        if (mu > 0 && std::string(material) == "dielectric" && std::string(compensation) != "none")
           continue;  // from below alone: each takes seconds
         const auto model = facets({{"material", word(material)},
                                    {"roughness", 0.5},
@@ -159,13 +158,15 @@ TEST(Microfacet, SamplesFollowTheirDensity) {
     for (const char* compensation : {"none", "kulla_conty"})
       for (const double alpha : {0.3, 0.8}) {
         // Quadrature over a density takes a while.
-        if (alpha > 0.5 && std::string(compensation) != "none") continue;
+        const bool conductor = std::string(material) == "conductor";
+        if ((alpha > 0.5 || !conductor) && std::string(compensation) != "none") continue;
+        if (alpha > 0.5 && !conductor) continue;
         SCOPED_TRACE(::testing::Message() << material << ' ' << compensation << ' ' << alpha);
         const auto model = facets({{"material", word(material)},
                                    {"roughness", alpha},
                                    {"compensation", word(compensation)}});
-        for (const double theta : {10.0, 89.0, 120.0}) {
-          if ((theta == 89) != (std::string(material) == "conductor") && theta != 10) continue;
+        for (const double theta : {10.0, 120.0}) {
+          if ((theta == 10) != conductor) continue;
           expect_samples_follow_their_density(*model, direction_from_degrees(theta, 40), 0.5);
         }
       }
