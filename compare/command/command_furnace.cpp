@@ -207,8 +207,8 @@ CommandAnswer stack_furnace(const Options& options, TruthRequest request, const 
     // A one-sided slab has a second furnace: radiance under uniform light from both sides.
     const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
                                       [](const Layer& l) { return is_delta(l.medium); });
-    if (!options.as_is && plan.transmits && plan.folded && stack.one_sidedness() != 0 &&
-        !specular && !truth.is_stopped()) {
+    if (!options.as_is && plan.transmits && !plan.boundaries && plan.folded &&
+        stack.one_sidedness() != 0 && !specular && !truth.is_stopped()) {
       const RadianceCheck check =
           run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
                            : check_radiance(stack, plan, wi, run.walks, request.seed, truth.stop());
