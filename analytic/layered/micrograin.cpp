@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analytic/model/one_half_space.h"
+#include "analytic/model/parameter_infos.h"
 #include "analytic/model/reflection_angles.h"
 #include "phase/math/sampling.h"
 #include "phase/medium/flake.h"
@@ -240,17 +241,6 @@ ParameterInfo color(std::string name, std::string doc, std::string default_value
   return info;
 }
 
-/// The first word is the default.
-ParameterInfo choice(std::string name, std::string doc, std::vector<std::string> words) {
-  ParameterInfo info{.name = std::move(name),
-                     .kind = ParameterKind::choice,
-                     .unit = "1",
-                     .doc = std::move(doc),
-                     .default_value = words.front()};
-  info.choices = std::move(words);
-  return info;
-}
-
 const std::string kBulkKey = "bulk_";
 
 /// The closed forms that may lie below.
@@ -396,7 +386,8 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
             .default_value = "0.5",
             .min = 0.001,
             .max = 1},
-           choice("surface", "surface of a grain", {"lambert", "dielectric", "conductor"}),
+           choice_parameter("surface", "surface of a grain",
+                            {"lambert", "dielectric", "conductor"}),
            color("albedo", "of Lambertian grains, and of what lies under a dielectric", "1"),
            color("f0", "reflectance of conductors at normal incidence (Schlick)", "1"),
            {.name = "ior",
@@ -407,18 +398,19 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
             .max = 4,
             .min_open = true},
            color("bulk_albedo", "of the surface below", "0"),
-           choice("shadowing",
-                  "ggx: Smith's of GGX with the equivalent roughness; smith: of the exact normals; "
-                  "series: its first terms",
-                  {"ggx", "smith", "series"}),
+           choice_parameter(
+               "shadowing",
+               "ggx: Smith's of GGX with the equivalent roughness; smith: of the exact normals; "
+               "series: its first terms",
+               {"ggx", "smith", "series"}),
            {.name = "terms",
             .unit = "1",
             .doc = "n of the last term of shadowing=series",
             .default_value = "4",
             .min = 0,
             .max = 1000},
-           choice("normals", "sampled for specular grains", {"visible", "all"}),
-           choice("bulk", "closed form of the surface below", names)},
+           choice_parameter("normals", "sampled for specular grains", {"visible", "all"}),
+           choice_parameter("bulk", "closed form of the surface below", names)},
       .lobes = {{"grains", "light that meets grains", Order::one},
                 {"bulk", "light that meets the surface below only", Order::one}},
       .make =

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "analytic/model/one_half_space.h"
+#include "analytic/model/parameter_infos.h"
 #include "analytic/model/stochastic_model.h"
 #include "phase/math/sampling.h"
 #include "phase/random/random.h"
@@ -222,16 +223,6 @@ class BeckmannDiffuse final : public StochasticModel {
   std::uint64_t id_;  // of the cache
 };
 
-ParameterInfo whole(std::string name, std::string doc, std::string default_value, double min,
-                    double max) {
-  return {.name = std::move(name),
-          .unit = "1",
-          .doc = std::move(doc),
-          .default_value = std::move(default_value),
-          .min = min,
-          .max = max};
-}
-
 }  // namespace
 
 double beckmann_projected_area(Direction w, double alpha) {
@@ -279,8 +270,8 @@ ModelInfo beckmann_diffuse_model() {
                           .default_value = "0.5",
                           .min = 0,
                           .max = 10},
-                         whole("walks", "random walks per w_i", "4096", 2, 1e6),
-                         whole("seed", "of the random numbers", "1", 0, 0x1p53)},
+                         number_parameter("walks", "random walks per w_i", "4096", 2, 1e6),
+                         number_parameter("seed", "of the random numbers", "1", 0, 0x1p53)},
           .lobes = {{"f1", "one event", Order::one},
                     {"f2", "two events", Order::two},
                     {"f3", "three events", Order::three},

@@ -4,6 +4,7 @@
 
 #include "phase/math/direction.h"
 #include "phase/math/sampling.h"
+#include "tests/phase/interface/facet_energies.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella::testing {
@@ -23,33 +24,6 @@ std::string name_of(const Dielectric& d) {
          std::to_string(d.facets.alpha_y) + ' ' + std::to_string(d.below);
 }
 
-struct Energies {
-  double reflected, transmitted;
-};
-
-// By quadrature over facets, in coordinates where visible normals are uniform: R and T of single
-// scattering have the facets' G_2 / G_1 as integrand.
-Energies energies_by_quadrature(const Dielectric& d, Direction wi) {
-  constexpr int kSteps = 150;
-  Energies sum{0, 0};
-  const double n = d.ratio(wi);
-  if (wi.z < 0) wi = -wi;
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const Direction m = d.facets.visible_normal(wi, (i + 0.5) / kSteps, (j + 0.5) / kSteps);
-      const double c = dot(wi, m);
-      const auto r = refraction(c, n);
-      const Direction up = mirrored(wi, m);
-      if (up.z > 0) sum.reflected += r.reflectance * d.facets.passes(d.masking, false, wi, up);
-      if (r.cosine == 0) continue;
-      const Direction down = refracted_ray(wi, m, c, r.cosine, n);
-      if (down.z < 0)
-        sum.transmitted +=
-            (1 - r.reflectance) * d.facets.passes(d.masking, true, wi, {down.x, down.y, -down.z});
-    }
-  return {sum.reflected / (kSteps * kSteps), sum.transmitted / (kSteps * kSteps)};
-}
-
 TEST(Dielectric, SingleScatteringSamplesItsEnergies) {
   for (Dielectric d : rough_ones())
     for (const Masking masking : {Masking::beta, Masking::correlated, Masking::separable})
@@ -65,7 +39,7 @@ TEST(Dielectric, SingleScatteringSamplesItsEnergies) {
           (s.wo.z * wi.z > 0 ? reflected : transmitted)[n] = s.kept;
         }
         // The midpoint rule is good to some 1e-4 at the edges of total reflection, below the noise.
-        const Energies exact = energies_by_quadrature(d, wi);
+        const FacetEnergies exact = facet_energies(d, wi, 150);
         EXPECT_GE(mean_p_value(reflected, exact.reflected), test_level())
             << name_of(d) << ' ' << to_text(masking) << ' ' << mu;
         EXPECT_GE(mean_p_value(transmitted, exact.transmitted), test_level())
@@ -84,7 +58,7 @@ TEST(Dielectric, SingleScatteringIntegratesToItsEnergies) {
       const auto side = [&](double sign) {
         return integrate_sphere([&](Direction wo) { return wo.z * sign > 0 ? f(wo) : 0; }, cells);
       };
-      const Energies exact = energies_by_quadrature(d, wi);
+      const FacetEnergies exact = facet_energies(d, wi, 150);
       // Edges of the refracted lobe (GGX at m.z = 0) and total reflection cost a fixed rule digits.
       EXPECT_NEAR(side(mu), exact.reflected, 2e-3) << name_of(d) << ' ' << mu;
       EXPECT_NEAR(side(-mu), exact.transmitted, 2e-3) << name_of(d) << ' ' << mu;
@@ -188,11 +162,11 @@ TEST(Dielectric, MaskingTermsDifferAsMeasured) {
   Dielectric d{.facets = {FacetShape::ggx, 0.6, 0.6}, .below = 1.5};
   const Direction wi = direction_from_mu_phi(0.05, 0);
   d.masking = Masking::separable;
-  EXPECT_NEAR(energies_by_quadrature(d, wi).transmitted, 0.510, 2e-3);
+  EXPECT_NEAR(facet_energies(d, wi, 150).transmitted, 0.510, 2e-3);
   d.masking = Masking::correlated;
-  EXPECT_NEAR(energies_by_quadrature(d, wi).transmitted, 0.764, 2e-3);
+  EXPECT_NEAR(facet_energies(d, wi, 150).transmitted, 0.764, 2e-3);
   d.masking = Masking::beta;
-  EXPECT_NEAR(energies_by_quadrature(d, wi).transmitted, 0.257, 2e-3);
+  EXPECT_NEAR(facet_energies(d, wi, 150).transmitted, 0.257, 2e-3);
 }
 
 TEST(Dielectric, SmoothScattersByFresnel) {

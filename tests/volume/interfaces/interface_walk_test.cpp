@@ -9,6 +9,7 @@
 
 #include "phase/interface/dielectric.h"
 #include "phase/surface/fresnel.h"
+#include "tests/phase/interface/facet_energies.h"
 #include "tests/volume/run/stacks.h"
 
 namespace lamella::testing {
@@ -108,32 +109,6 @@ TEST(InterfaceWalk, SmoothOverLambertIsItsClosedForm) {
     }
 }
 
-// R and T of a rough interface's single scattering, over the visible normals.
-struct Energies {
-  double reflected = 0, transmitted = 0;
-};
-Energies energies(const Dielectric& d, Direction wi) {
-  constexpr int kSteps = 60;
-  Energies sum;
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      Direction w = wi.z > 0 ? wi : -wi;
-      const Direction m = d.facets.visible_normal(w, (i + 0.5) / kSteps, (j + 0.5) / kSteps);
-      const double c = dot(w, m), n = d.ratio(wi);
-      const auto r = refraction(c, n);
-      const Direction up = mirrored(w, m);
-      if (up.z > 0) sum.reflected += r.reflectance * d.facets.passes(d.masking, false, w, up);
-      if (r.cosine == 0) continue;
-      const Direction down = refracted_ray(w, m, c, r.cosine, n);
-      if (down.z < 0)
-        sum.transmitted +=
-            (1 - r.reflectance) * d.facets.passes(d.masking, true, w, {down.x, down.y, -down.z});
-    }
-  sum.reflected /= kSteps * kSteps;
-  sum.transmitted /= kSteps * kSteps;
-  return sum;
-}
-
 TEST(InterfaceWalk, RoughOverLambertIsItsClosedForm) {
   const double n = 1.5, albedo = 0.8;
   for (const std::string masking : {"beta", "correlated", "separable"})
@@ -144,11 +119,13 @@ TEST(InterfaceWalk, RoughOverLambertIsItsClosedForm) {
                                                "'\nroughness = " + std::to_string(alpha)) +
                                      substrate("'lambert'\nalbedo = 0.8"));
       const double inside = boost::math::quadrature::gauss<double, 20>::integrate(
-          [&](double mu) { return 2 * mu * energies(d, direction_from_mu_phi(-mu, 0)).reflected; },
+          [&](double mu) {
+            return 2 * mu * facet_energies(d, direction_from_mu_phi(-mu, 0), 60).reflected;
+          },
           0.0, 1.0);
       const Direction wi = direction_from_mu_phi(0.7, 0), wo = direction_from_mu_phi(0.5, 2.6);
-      const double base = albedo / (kPi * n * n) * energies(d, wi).transmitted *
-                          energies(d, wo).transmitted / (1 - albedo * inside);
+      const double base = albedo / (kPi * n * n) * facet_energies(d, wi, 60).transmitted *
+                          facet_energies(d, wo, 60).transmitted / (1 - albedo * inside);
       const Estimate all = all_at_point(stack, wi, wo, soaked(60000));
       // The quadrature over facets, 60 x 60, is good to 1e-3 of the base.
       EXPECT_LT(std::abs(all.value - base - d.single(wi, wo)),
