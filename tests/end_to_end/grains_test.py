@@ -79,7 +79,7 @@ class ExplicitGeometry(ProgramTest):
     def test_a_closed_form_that_is_none_is_an_error_that_says_where(self):
         for name, below, words in (
             ("unknown", 'bsdf = "eno"', ["broken.toml:9", '"bsdf"', '"eno"', "eon"]),
-            ("itself", 'bsdf = "micrograin"', ["broken.toml:9", '"micrograin"', "black, lambert"]),
+            ("itself", 'bsdf = "micrograin"', ["broken.toml:9", '"micrograin"', "lambert, black"]),
             ("key", 'bsdf = "eon"\nroughnes = 1', ["broken.toml:10", '"roughnes"',
                                                    'did you mean "roughness"?']),
             ("value", 'bsdf = "eon"\nroughness = 2', ["broken.toml:10", '"roughness"', "found 2",
