@@ -16,9 +16,19 @@ namespace lamella {
 struct EstimatorChoice {
   Estimator estimator = Estimator::analog;
   std::string reason;
-  /// The solved stack, where the estimator is deterministic.
+  /// The solved stack, where the estimator is deterministic and the stack symmetric about the
+  /// normal; else cells are solved in spherical harmonics (volume/harmonics).
   std::shared_ptr<const DeterministicSolution> solution;
+
+  /// Whether the deterministic estimator works in spherical harmonics.
+  [[nodiscard]] bool has_harmonics() const {
+    return estimator == Estimator::deterministic && !solution;
+  }
 };
+
+/// What a truth is asked for: cells, which both solvers have, or f at pairs of directions, which
+/// only that of symmetric stacks has.
+enum class TruthAt { cells, pairs };
 
 /// The estimator asked for, or what `auto` stands for: a walk where an option was given that only
 /// walks have a use for, or where the solver does not apply; else the deterministic solver, with
@@ -29,7 +39,8 @@ struct EstimatorChoice {
 /// asked for and does not apply, NoAnswerError where it is asked for and has no answer.
 [[nodiscard]] EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
                                                const StopFlag* stop,
-                                               const SolverReport& report = {});
+                                               const SolverReport& report = {},
+                                               TruthAt at = TruthAt::cells);
 
 /// Why walks answer better than these cells of a solution, if they do: the solution has no answer
 /// for a direction (volume/solver/answer_check.h), or its cells have larger bounds than walks would
@@ -56,6 +67,15 @@ struct EstimatorChoice {
 
 /// Throws UsageError where the deterministic estimator is asked for and does not apply: cheap,
 /// before any work.
-void check_estimator(const TruthRequest& request);
+void check_estimator(const TruthRequest& request, TruthAt at = TruthAt::cells);
+
+/// Cells of a stack without symmetry about the normal. Of a run that is repeated: at the degree
+/// that it ended with.
+[[nodiscard]] std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& plan,
+                                                    const StopFlag* stop,
+                                                    const SolverReport& report);
+
+/// Why `auto` took them: "the solver reaches 6.9e-05 with spherical harmonics of degree 34".
+[[nodiscard]] std::string reached_by(const std::vector<RunResult>& harmonic_cells);
 
 }  // namespace lamella

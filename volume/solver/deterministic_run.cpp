@@ -8,6 +8,7 @@
 
 #include "phase/math/larger_error.h"
 #include "volume/quadrature/cell_quadrature.h"
+#include "volume/solver/closed_cells.h"
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/critical_cosines.h"
 #include "volume/solver/row_sampler.h"
@@ -26,28 +27,6 @@ Eigen::MatrixXd column_cosines(const CellGrid& grid, int modes) {
                            (m == 0 ? 1 : std::sin(half) / half);
     }
   return cosines;
-}
-
-// A closed order on the cells of one side.
-template <class Order>
-std::vector<CellMean> closed_cells(const Stack& stack, const CellGrid& grid, Direction wi, bool up,
-                                   const std::vector<Rgb>& tolerance_of_row, const Order& order) {
-  std::vector<CellMean> cells(grid.cells());
-  // Mirror flakes and strong forward scattering peak about the mirror direction and straight on,
-  // which interfaces bend.
-  const double mu_i = up == (wi.z > 0) ? std::abs(wi.z) : bent_through(stack, wi.z);
-  const std::vector<double> kinks = critical_cosines(stack, up);
-  const std::vector<std::pair<double, double>> peaks{{mu_i, 0}, {mu_i, kPi}, {mu_i, 2 * kPi}};
-  const double turn = azimuth(wi), side = up ? 1 : -1;
-  tbb::parallel_for(0, grid.cells(), [&](int cell) {
-    const int row = cell / grid.columns(), column = cell % grid.columns();
-    cells[cell] = cell_mean(
-        [&](double mu, double phi) { return order(direction_from_mu_phi(side * mu, turn + phi)); },
-        {grid.edge_mu(row + 1), grid.edge_mu(row), grid.edge_phi(column),
-         grid.edge_phi(column + 1)},
-        tolerance_of_row[row], peaks, kinks);
-  });
-  return cells;
 }
 
 // Whether there are mirror flakes, whose phase functions jump straight on.

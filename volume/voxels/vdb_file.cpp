@@ -86,8 +86,6 @@ void write_vdb(const std::string& path, const Voxels& voxels, Vec3<double> voxel
     file.write(grids);
     file.close();
     set_identity_by_content(path);
-  } catch (const GridFileError&) {
-    throw;
   } catch (const std::exception& failure) {
     throw GridFileError(fmt::format("{}: cannot be written ({})", path, one_line(failure.what())));
   }

@@ -7,9 +7,8 @@
 #include <cctype>
 #include <cstdint>
 #include <fstream>
+#include <stdexcept>
 #include <vector>
-
-#include "volume/voxels/vdb_file.h"
 
 namespace lamella {
 namespace {
@@ -61,7 +60,7 @@ void set_identity_by_content(const std::string& path) {
   file.clear();
   file.seekp(kIdentityAt);
   file << digest.text() << std::flush;
-  if (!file) throw GridFileError(fmt::format("{}: cannot be written", path));
+  if (!file) throw std::runtime_error("its identifier cannot be written");
 }
 
 }  // namespace lamella
