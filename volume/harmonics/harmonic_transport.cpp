@@ -59,6 +59,34 @@ HarmonicSource HarmonicTransport::scattered(const MatrixXd& radiance, double arr
   return next;
 }
 
+// What radiance along v meets in the layers and does not scatter: all of what their albedo tells,
+// and, where Schlick's factor takes a share by the angle, all that it meets (see
+// scattered_by_mirrors).
+double HarmonicTransport::collided(Direction v, const double* radiance) const {
+  double sum = 0;
+  for (const LayeredStreams::Part& part : streams_.parts()) {
+    const double share = has_schlick(*part.layer) ? 1 : 1 - part.layer->albedo[channel_];
+    const double rate = share * sigma(part.layer->medium, -v);
+    if (rate > 0)
+      for (int node = 0; node < part.panels.size(); ++node)
+        sum += rate * part.panels.weight(node) * radiance[part.first + node];
+  }
+  return sum;
+}
+
+// The flux that sources in layers with Schlick's factor send out.
+double HarmonicTransport::scattered_by_mirrors(const HarmonicSource& source) const {
+  double sum = 0;
+  for (const LayeredStreams::Part& part : streams_.parts())
+    if (has_schlick(*part.layer))
+      for (int node = 0; node < part.panels.size(); ++node)
+        sum += std::sqrt(4 * kPi) * part.panels.weight(node) *
+               source.coefficients(0, part.first + node);
+  return sum;
+}
+
+bool HarmonicTransport::has_schlick(const Layer& layer) const { return layer.f0[channel_] != 1; }
+
 HarmonicLight HarmonicTransport::follow(const HarmonicSource& source) const {
   const MatrixXd values = grid_.values(source.coefficients);
   MatrixXd radiance(streams_.size(), grid_.size());
@@ -67,11 +95,7 @@ HarmonicLight HarmonicTransport::follow(const HarmonicSource& source) const {
     const Direction v = grid_.direction(k);
     leaving[k] = streams_.march(v, &blocks_[streams_.block_size() * k], values.col(k).data(),
                                 v.z > 0 ? source.ground : 0, radiance.col(k).data());
-    for (const LayeredStreams::Part& part : streams_.parts()) {
-      const double lost = (1 - part.layer->albedo[channel_]) * sigma(part.layer->medium, -v);
-      for (int node = 0; node < part.panels.size(); ++node)
-        absorbed[k] += lost * part.panels.weight(node) * radiance(part.first + node, k);
-    }
+    absorbed[k] = collided(v, radiance.col(k).data());
   });
   HarmonicLight light;
   double arriving = 0;
@@ -85,6 +109,7 @@ HarmonicLight HarmonicTransport::follow(const HarmonicSource& source) const {
   else
     light.transmitted = arriving;
   light.next = scattered(grid_.coefficients(radiance), arriving);
+  light.absorbed -= scattered_by_mirrors(light.next);
   return light;
 }
 
@@ -97,6 +122,7 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
   struct Piece {
     MatrixXd coefficients;
     double up = 0, down = 0, absorbed = 0;
+    std::vector<double> leaving;  // by part: share of what collides
   };
   std::vector<Piece> pieces(kPieces);
   tbb::parallel_for(0, kPieces, [&](int p) {
@@ -104,16 +130,19 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
     Piece& piece = pieces[p];
     MatrixXd harmonics(basis_.size(), end - begin), radiance(streams_.size(), end - begin);
     std::vector<double> block(streams_.block_size());
+    piece.leaving.assign(streams_.parts().size(), 0);
     VectorXd source(streams_.size()), values(basis_.size());
     for (int k = begin; k < end; ++k) {
       const Direction v = beam.directions[k];
       const double weight = beam.weights[k];
-      for (const LayeredStreams::Part& part : streams_.parts()) {
+      for (std::size_t n = 0; n < streams_.parts().size(); ++n) {
+        const LayeredStreams::Part& part = streams_.parts()[n];
         const Layer& layer = *part.layer;
         const PhaseValue f = phase(layer.medium, wi, v);
-        const double per = layer.albedo[channel_] * sigma(layer.medium, wi) * f.density *
-                           (layer.f0[channel_] + (1 - layer.f0[channel_]) * f.schlick) /
-                           std::abs(wi.z);
+        const double reflected = layer.albedo[channel_] * f.density *
+                                 (layer.f0[channel_] + (1 - layer.f0[channel_]) * f.schlick);
+        piece.leaving[n] += weight * reflected;
+        const double per = reflected * sigma(layer.medium, wi) / std::abs(wi.z);
         source.segment(part.first, part.panels.size()) =
             per * share.segment(part.first, part.panels.size());
       }
@@ -134,7 +163,9 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
   });
   MatrixXd coefficients = MatrixXd::Zero(basis_.size(), streams_.size());
   double arriving = 0;
+  std::vector<double> leaving(streams_.parts().size(), 0);
   for (const Piece& piece : pieces) {
+    for (std::size_t n = 0; n < leaving.size(); ++n) leaving[n] += piece.leaving[n];
     coefficients += piece.coefficients;
     result.light.reflected += piece.up;
     arriving += piece.down;
@@ -145,9 +176,11 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
   const bool down = wi.z > 0;
   const std::vector<LayeredStreams::Part>& parts = streams_.parts();
   for (std::size_t step = 0; step < parts.size(); ++step) {
-    const LayeredStreams::Part& part = parts[down ? step : parts.size() - 1 - step];
+    const std::size_t n = down ? step : parts.size() - 1 - step;
+    const LayeredStreams::Part& part = parts[n];
     const double x = sigma(part.layer->medium, wi) / std::abs(wi.z) * part.panels.depth();
-    result.absorbed += (1 - part.layer->albedo[channel_]) * before * -std::expm1(-x);
+    const double scattered = has_schlick(*part.layer) ? leaving[n] : part.layer->albedo[channel_];
+    result.absorbed += (1 - scattered) * before * -std::expm1(-x);
     before *= std::exp(-x);
   }
   if (is_closed()) {
@@ -161,11 +194,13 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
     result.light.reflected += ground.reflected;
     result.light.absorbed += ground.absorbed;
     result.light.next = scattered(coefficients, arriving);
+    result.light.absorbed -= scattered_by_mirrors(result.light.next);
     result.light.next.coefficients += ground.next.coefficients;
     result.light.next.ground += ground.next.ground;
   } else {
     result.light.transmitted = arriving;
     result.light.next = scattered(coefficients, 0);
+    result.light.absorbed -= scattered_by_mirrors(result.light.next);
   }
   return result;
 }

@@ -62,6 +62,9 @@ class HarmonicTransport {
   [[nodiscard]] int last_iterations() const { return iterations_; }
 
  private:
+  [[nodiscard]] double collided(Direction v, const double* radiance) const;
+  [[nodiscard]] double scattered_by_mirrors(const HarmonicSource& source) const;
+  [[nodiscard]] bool has_schlick(const Layer& layer) const;
   // Whether light that arrives at the bottom meets a surface there.
   [[nodiscard]] bool is_closed() const { return stack_.substrate || streams_.is_cut(); }
   [[nodiscard]] HarmonicSource scattered(const Eigen::MatrixXd& radiance, double arriving) const;
