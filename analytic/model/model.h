@@ -77,9 +77,9 @@ class Model {
   [[nodiscard]] virtual double pdf(Direction wi, Direction wo) const;
 
   /// Directional albedo: the share of light from w_i that leaves anywhere, the delta transmission
-  /// apart, and its error. Default: adaptive cubature of f |mu_o|, relative error 1e-9 or what the
-  /// noise of the model's values and the limits leave. Override where there is a closed form. w_i
-  /// above the surface or below; mu = 0 is the limit from above.
+  /// apart, and its error. Default: adaptive cubature of f |mu_o|, relative error 1e-9, or larger
+  /// where the noise of the model's values or the limits end it before. Override where there is a
+  /// closed form. w_i above the surface or below; mu = 0 is the limit from above.
   [[nodiscard]] virtual AlbedoEstimate albedo_with_error(Direction wi) const;
   /// Its value.
   [[nodiscard]] Rgb albedo(Direction wi) const { return albedo_with_error(wi).value; }

@@ -34,7 +34,7 @@ namespace lamella {
 [[nodiscard]] ModelInfo fujii_qualitative_model();
 
 /// The integral over the hemisphere of oren_nayar_term times a cosine, as a function of the other
-/// one, in [0, 1] (EON eq. 8, its tan theta (1 - sin^3 theta) written without 0 * infinity):
+/// cosine, in [0, 1] (EON eq. 8, its tan theta (1 - sin^3 theta) written without 0 * infinity):
 ///   G_q = sin (theta - sin cos) + 2/3 sin cos (1 + sin + sin^2) / (1 + sin).
 [[nodiscard]] double oren_nayar_integral(double mu);
 /// The same of fujii_term: G_F = G_q - 2/3 sin theta (eq. 13).

@@ -21,8 +21,8 @@ enum class Font { small, bold, title };
 enum class Align { left, center, right };
 
 /// A picture being drawn with Cairo: white at first, coordinates in pixels from the top left; the
-/// centre of the pixel (x, y) is (x + 0.5, y + 0.5). What falls outside is cut off. All shapes and
-/// texts are anti-aliased. Throws PictureError.
+/// centre of the pixel (x, y) is (x + 0.5, y + 0.5). Parts outside the picture are cut off. All
+/// shapes and texts are anti-aliased. Throws PictureError.
 class Canvas {
  public:
   /// Whether this build has Cairo.

@@ -18,7 +18,7 @@ using KeyValues = std::vector<std::pair<std::string, std::string>>;
 struct ModelRequest {
   std::string name;
   KeyValues values;
-  /// Where values come from that were not given, by key ("stack", "fitted", ...), and why a default
+  /// The origin of values that were not given, by key ("stack", "fitted", ...), and why a default
   /// stands.
   std::map<std::string, std::string> sources{};
 };
@@ -53,7 +53,7 @@ struct BoundModel {
 void check_request(const ModelRequest& request);
 
 /// Builds a model from its name and key=value texts; `stack` serves models that need one. Throws
-/// UsageError that names the key, what was found and what is allowed.
+/// UsageError, which names the key, the value found and the values allowed.
 [[nodiscard]] BoundModel bind_model(const ModelRequest& request, const Stack* stack);
 
 /// The parameters that the request's model has, with those that its own choice of the selector

@@ -10,7 +10,7 @@ namespace lamella {
 /// Weights of linear red, green and blue in the luminance Y: ITU-R BT.709-6, item 3.2. They sum to
 /// 1, so that grey keeps its value.
 inline constexpr std::array<double, 3> kLuminanceWeights{0.2126, 0.7152, 0.0722};
-/// What a number of a colour is called wherever one stands for all three channels.
+/// The name of the one number that stands for all three channels of a colour.
 inline constexpr const char* kLuminanceName = "luminance (Rec. 709)";
 
 /// The one number that stands for a colour: in tables, pages and pictures. Linear, in the unit of
