@@ -19,8 +19,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kPoints = 15;
 // A line of neighbours whose sixth differences tell the noise, and the lines of a panel.
 constexpr int kLine = 12, kDifference = 6, kLines = 3;
-// Steps of such a line, in units of a panel: fine enough that a function which the panel's rule
-// resolves has no sixth difference, and, with the narrowest panel (radians), coarser than
+// Steps of a line of neighbours, in units of a panel: fine enough that a function which the panel's
+// rule resolves has no sixth difference, and, with the narrowest panel (radians), coarser than
 // neighbours in single precision.
 constexpr double kLineStep = 1.0 / 64;
 constexpr double kNarrowest = 1e-5;

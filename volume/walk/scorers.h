@@ -19,7 +19,8 @@ struct CellTargets {
   bool both_sides = false;
 
   [[nodiscard]] int count() const { return grid.cells() * (both_sides ? 2 : 1); }
-  /// The target that a leaving direction falls into, or -1 (below a stack that has no such side).
+  /// The target that a leaving direction falls into, or -1 (below a stack where light cannot
+  /// leave).
   [[nodiscard]] int find(Direction wo) const;
 };
 
