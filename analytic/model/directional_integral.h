@@ -20,7 +20,7 @@ enum class IntegralEnd {
 /// "tolerance", "noise", "limit", "time"
 [[nodiscard]] const char* to_text(IntegralEnd end);
 
-/// The same as a reason, for people.
+/// The end as a reason in words, for people.
 [[nodiscard]] const char* reason_of(IntegralEnd end);
 
 /// An integral over directions, per channel.

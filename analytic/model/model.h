@@ -65,7 +65,7 @@ class Model {
   /// values[k] = eval(pairs[k]), up to rounding. Override where a batch is cheaper than its pairs.
   /// The spans have the same length; isa is supported (scalar: double, one pair after the other).
   virtual void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const;
-  /// The same on the widest lanes (isa_from_text("auto"), asked once).
+  /// A batch on the widest lanes (isa_from_text("auto"), asked once).
   void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const;
 
   /// The model's own sampler: w_i given w_o from three uniforms in (0, 1), or nothing if no light
@@ -135,7 +135,8 @@ struct ModelInfo {
 /// model has one. An unknown choice adds none.
 [[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
                                                        const std::string& choice);
-/// The same for parameters that may have the selector among them; else its default counts.
+/// The parameters there are, for a set that may have the selector among them; else its default
+/// counts.
 [[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
                                                        const Parameters& parameters);
 

@@ -31,7 +31,7 @@ template <class Real>
                       multiply_add(Real(1 / kPi) * s, arc_sine(mu, s), -tail));
 }
 
-/// The same with eq. 14's fit of G_F, clamped at 0: absolute error below 6.2e-4.
+/// The share that FON loses with eq. 14's fit of G_F, clamped at 0: absolute error below 6.2e-4.
 template <class Real>
 [[nodiscard]] Real fon_loss_fit(Real mu) {
   return nonnegative(Real(kFonNormalLoss) - fujii_integral_fit(mu));

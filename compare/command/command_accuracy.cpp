@@ -5,6 +5,7 @@
 
 #include "compare/command/command.h"
 #include "compare/judge/accuracy_table.h"
+#include "compare/judge/coat_accuracy.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/interrupt.h"
@@ -40,6 +41,59 @@ Json numbers(const std::vector<double>& values) {
   return list;
 }
 
+// Off by 10 % and by 30 %.
+std::string marked(double share) {
+  const char* mark = share >= 0.3 ? "**" : share >= 0.1 ? "*" : "";
+  return fmt::format("{}{}{}", mark, three_digits(share), mark);
+}
+
+// One table per layering: indices and albedos down, roughnesses across.
+void print_coats(std::FILE* out, const std::vector<CoatAccuracy>& coats, const CoatRanges& ranges) {
+  std::vector<std::string> layerings;
+  for (const CoatAccuracy& row : coats)
+    if (std::find(layerings.begin(), layerings.end(), row.layering) == layerings.end())
+      layerings.push_back(row.layering);
+  for (const std::string& layering : layerings) {
+    fmt::print(out, "\n`{}`\n\n| ior | albedo |", layering);
+    for (const double roughness : ranges.roughness)
+      fmt::print(out, " {} |", roughness == 0 ? "smooth" : fmt::format("alpha {}", roughness));
+    fmt::print(out, "\n| --- | --- |");
+    for (std::size_t k = 0; k < ranges.roughness.size(); ++k) fmt::print(out, " --- |");
+    fmt::print(out, "\n");
+    for (const double ior : ranges.ior)
+      for (const double albedo : ranges.albedo) {
+        fmt::print(out, "| {} | {} |", ior, albedo);
+        for (const double roughness : ranges.roughness) {
+          const auto row = std::find_if(coats.begin(), coats.end(), [&](const CoatAccuracy& c) {
+            return c.layering == layering && c.ior == ior && c.roughness == roughness &&
+                   c.albedo == albedo;
+          });
+          if (row == coats.end())
+            fmt::print(out, " – |");
+          else
+            fmt::print(out, " {} / {} |", marked(row->at_30), marked(row->at_80));
+        }
+        fmt::print(out, "\n");
+      }
+  }
+}
+
+Json measured_coats(const Options& options, const RunMonitor& monitor, std::FILE* out) {
+  std::vector<CoatAccuracy> coats;
+  Json rows = Json::array();
+  measure_coat_accuracy(options.quick, options.tolerance, monitor, [&](const CoatAccuracy& row) {
+    coats.push_back(row);
+    rows.push_back({{"layering", row.layering},
+                    {"ior", row.ior},
+                    {"roughness", row.roughness},
+                    {"albedo", row.albedo},
+                    {"relative_rmse", numbers({row.at_30, row.at_80})},
+                    {"truth_bound", row.bound}});
+  });
+  if (!options.quiet) print_coats(out, coats, coat_ranges(options.quick));
+  return rows;
+}
+
 }  // namespace
 
 int accuracy_command(const Options& options) {
@@ -47,6 +101,15 @@ int accuracy_command(const Options& options) {
   Json answer = json_header("accuracy", options.seed, isa_of(options));
   answer["tolerance"] = options.tolerance;
   answer["quick"] = options.quick;
+  const RunMonitor monitor = terminal_monitor(options);
+  if (options.coats) {
+    Json coats = measured_coats(options, monitor, out);
+    answer["interrupted"] = user_interrupt.load();
+    answer["coats"] = std::move(coats);
+    answer["rows"] = Json::array();
+    write_json(answer, options.json);
+    return kDone;
+  }
   Json rows = Json::array();
   if (!options.quiet)
     fmt::print(out,
@@ -54,7 +117,6 @@ int accuracy_command(const Options& options) {
                "energy off | truth within |\n"
                "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   std::string family;
-  const RunMonitor monitor = terminal_monitor(options);
   measure_model_accuracy(options.quick, options.tolerance, monitor, [&](const ModelAccuracy& row) {
     if (!options.quiet) {
       if (row.family != family) fmt::print(out, "| **{}** | | | | | | | | | | | |\n", row.family);

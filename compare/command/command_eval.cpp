@@ -235,8 +235,8 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
   catch_interrupts();
   const RunMonitor monitor = terminal_monitor(options);
-  const EstimatorChoice choice =
-      choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver);
+  const EstimatorChoice choice = choose_estimator(request, Estimator::next_event, monitor.stop,
+                                                  monitor.solver, TruthAt::pairs);
   std::vector<TruthValue> truth;
   bool solved = choice.solution != nullptr;
   if (solved) {

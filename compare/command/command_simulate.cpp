@@ -28,6 +28,8 @@ std::string with_error(const std::array<Estimate, 3>& e, const RunResult& run) {
 std::string cost_of(const RunResult& run) {
   if (!run.is_bounded()) return fmt::format("{} walks, {} collisions", run.walks, run.collisions);
   const DeterministicAccuracy& a = *run.accuracy;
+  if (a.harmonics)
+    return fmt::format("harmonics of degree {}, cells within {:.1e}", a.harmonics, a.error);
   return fmt::format("{} nodes, {} modes, cells within {:.1e}", a.nodes, a.modes, a.error);
 }
 

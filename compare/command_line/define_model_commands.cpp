@@ -31,6 +31,9 @@ void define_accuracy(CommandLine& line) {
                "lamella accuracy --quick", [&] { return accuracy_command(line.options); });
   add_tolerance(command, line);
   command.add_flag("--quick", line.options.quick, "One stack of each family");
+  command.add_flag("--coats", line.options.coats,
+                   "Instead: every layering of a coat over Lambert's law, by index, roughness and "
+                   "albedo of the base");
   add_json(command, line);
 }
 

@@ -51,7 +51,7 @@ class Canvas {
   /// One line of text, its top at y. Bytes that are no UTF-8 become U+FFFD, control characters
   /// blanks.
   void text(double x, double y, std::string_view utf8, Font font, Align align, Color color);
-  /// The same, read from below, centred about y, its left at x.
+  /// One line of text that reads upwards, centred about y, its left at x.
   void text_upwards(double x, double y, std::string_view utf8, Font font, Color color);
 
   /// Ends the drawing and gives the file's bytes. Equal pictures give equal bytes (with the same

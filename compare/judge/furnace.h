@@ -65,7 +65,7 @@ struct RadianceCheck {
                                            std::uint64_t walks, std::uint64_t seed,
                                            const StopFlag* stop = nullptr);
 
-/// The same from a solved stack, errors being bounds.
+/// The radiance furnace of a solved stack; errors are bounds.
 [[nodiscard]] RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w);
 
 }  // namespace lamella

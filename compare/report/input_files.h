@@ -27,7 +27,7 @@ class InputFiles {
   /// A line per file as the program sha256sum writes and checks it: hash, two blanks, and the name
   /// as a text in `folder` has it (relative_to).
   [[nodiscard]] std::string text(const std::filesystem::path& folder) const;
-  /// The same as a list of {name, sha256}.
+  /// The files as a list of {name, sha256}.
   [[nodiscard]] nlohmann::ordered_json json(const std::filesystem::path& folder) const;
 
  private:

@@ -151,7 +151,7 @@ void add_choice(Json& answer, const EstimatorChoice& choice, const TruthRequest&
   answer["estimator"] = to_text(choice.estimator);
   answer["estimator_asked"] = estimator_asked(request);
   answer["estimator_reason"] = choice.reason;
-  if (choice.solution) answer["tolerance"] = request.tolerance;
+  if (choice.estimator == Estimator::deterministic) answer["tolerance"] = request.tolerance;
 }
 
 Json to_json(const RunResult& run) {
@@ -175,6 +175,8 @@ Json to_json(const RunResult& run) {
                        {"nodes", a->nodes},
                        {"modes", a->modes},
                        {"bytes", a->bytes}};
+  if (run.accuracy && run.accuracy->harmonics)
+    out["accuracy"]["harmonics"] = run.accuracy->harmonics;
   if (!run.is_bounded()) out["max_order"] = run.max_order;
   if (run.thinning.is_on()) {
     out["thinned_from"] = run.thinning.first;

@@ -27,7 +27,7 @@ struct ModelRequest {
 /// UsageError.
 [[nodiscard]] ModelRequest parse_model_request(const std::string& text);
 
-/// The same of words: the name, then one key=value each. Throws UsageError.
+/// The request of several words: the name, then one key=value each. Throws UsageError.
 [[nodiscard]] ModelRequest parse_model_words(const std::vector<std::string>& words);
 
 /// A model with its parameters fixed.
@@ -44,7 +44,7 @@ struct BoundModel {
 /// The shared objects that the models come from.
 [[nodiscard]] std::vector<std::filesystem::path> objects_of(const std::vector<BoundModel>& models);
 
-/// The same of requests, before anything is loaded.
+/// The shared objects of requests, before anything is loaded.
 [[nodiscard]] std::vector<std::filesystem::path> objects_among(
     const std::vector<ModelRequest>& requests);
 
@@ -70,7 +70,8 @@ void check_request(const ModelRequest& request);
 
 /// "key = value (source)" of every parameter, in the model's order.
 [[nodiscard]] std::vector<std::string> told_parameters(const BoundModel& model);
-/// The same as lines of at most `width` columns, each after `indent` blanks and ended by '\n'.
+/// The parameters as lines of at most `width` columns, each after `indent` blanks and ended by
+/// '\n'.
 [[nodiscard]] std::string told_parameters(const BoundModel& model, int indent, int width = 100);
 
 /// The models' names; where one is there several times, with a number each: for files and columns.

@@ -8,6 +8,7 @@
 #include "compare/request/errors.h"
 #include "phase/math/larger_error.h"
 #include "phase/parameters/parameters.h"
+#include "volume/harmonics/harmonic_run.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic_run.h"
 
@@ -17,6 +18,7 @@ namespace {
 // What `auto` lets the solver spend: beyond it walks are the faster way to a useful answer.
 constexpr int kTrialNodes = 64, kTrialModes = 64;
 constexpr double kTrialSeconds = 20;
+constexpr double kNarrow = 0.2;  // in spherical harmonics
 constexpr double kSeconds = 60;  // of a solution that was asked for, unless --time says otherwise
 // Where cells miss the tolerance with kSolverShare of it.
 constexpr double kRefinedShare = 0.1;
@@ -38,22 +40,29 @@ void end_where_it_ended(DeterministicOptions& solver, const TruthRequest& reques
   solver.max_seconds = std::numeric_limits<double>::infinity();
 }
 
+std::optional<std::string> why_no_solver(const Stack& stack, TruthAt at) {
+  const bool symmetric = stack.grains() || stack.has_grid() || stack.is_symmetric_about_z();
+  return symmetric || at == TruthAt::pairs ? why_not_deterministic(stack) : why_not_harmonic(stack);
+}
+
 }  // namespace
 
-void check_estimator(const TruthRequest& request) {
+void check_estimator(const TruthRequest& request, TruthAt at) {
   if (request.estimator != Estimator::deterministic) return;
-  if (const auto reason = why_not_deterministic(request.stack))
+  if (const auto reason = why_no_solver(request.stack, at))
     throw UsageError(fmt::format(
         "--estimator: found \"deterministic\" for {}, but {}; allowed: auto, analog, next-event",
         request.stack.name, *reason));
 }
 
 EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
-                                 const StopFlag* stop, const SolverReport& report) {
+                                 const StopFlag* stop, const SolverReport& report, TruthAt at) {
   const Stack& stack = request.stack;
   if (request.estimator && *request.estimator != Estimator::deterministic)
     return {*request.estimator, "asked for", nullptr};
-  check_estimator(request);
+  check_estimator(request, at);
+  if (request.estimator && at == TruthAt::cells && !stack.is_symmetric_about_z())
+    return {Estimator::deterministic, "asked for", nullptr};
   DeterministicOptions solver{
       .tolerance = kSolverShare * request.tolerance, .stop = stop, .report = report};
   if (request.estimator == Estimator::deterministic) {
@@ -66,7 +75,17 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
   }
   if (!request.given.empty())
     return {of_walks, fmt::format("{} asks for walks", to_text(request.given.front())), nullptr};
-  if (const auto reason = why_not_deterministic(stack)) return {of_walks, *reason, nullptr};
+  if (const auto reason = why_no_solver(stack, at)) return {of_walks, *reason, nullptr};
+  if (!stack.is_symmetric_about_z() && narrowest_feature(stack) < kNarrow)
+    return {of_walks,
+            fmt::format("the stack is not symmetric about the normal and scatters as narrowly as "
+                        "{:.2g}, which takes --estimator deterministic minutes",
+                        narrowest_feature(stack)),
+            nullptr};
+  if (!stack.is_symmetric_about_z())
+    return {Estimator::deterministic,
+            "the stack is not symmetric about the normal, which spherical harmonics are made for",
+            nullptr};
   solver.max_nodes = kTrialNodes;
   solver.max_modes = kTrialModes;
   solver.max_seconds = kTrialSeconds;
@@ -134,11 +153,33 @@ std::shared_ptr<const DeterministicSolution> refined(const TruthRequest& request
   return std::make_shared<const DeterministicSolution>(solve_deterministic(request.stack, solver));
 }
 
+std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& plan,
+                                      const StopFlag* stop, const SolverReport& report) {
+  HarmonicOptions solver{
+      .tolerance = request.tolerance,
+      .max_seconds = request.estimator ? request.effort.seconds.value_or(kSeconds) : kTrialSeconds,
+      .stop = stop,
+      .report = report};
+  if (request.solver_end) {
+    solver.max_degree = request.solver_end->modes[0] - 1;
+    solver.max_seconds = std::numeric_limits<double>::infinity();
+  }
+  return harmonic_runs(request.stack, plan, request.directions, request.cells, solver);
+}
+
+std::string reached_by(const std::vector<RunResult>& harmonic_cells) {
+  double worst = 0;
+  for (const RunResult& run : harmonic_cells) worst = larger_error(worst, run.accuracy->error);
+  return fmt::format("the solver reaches {:.1e} with spherical harmonics of degree {}", worst,
+                     harmonic_cells.front().accuracy->harmonics);
+}
+
 std::string estimator_text(const EstimatorChoice& choice, const TruthRequest& request) {
   return fmt::format("{} estimator{}, {}", to_text(choice.estimator),
                      request.estimator ? "" : fmt::format(" (auto: {})", choice.reason),
-                     choice.solution ? fmt::format("tolerance {}", to_text(request.tolerance))
-                                     : fmt::format("seed {}", request.seed));
+                     choice.estimator == Estimator::deterministic
+                         ? fmt::format("tolerance {}", to_text(request.tolerance))
+                         : fmt::format("seed {}", request.seed));
 }
 
 }  // namespace lamella

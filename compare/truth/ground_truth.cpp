@@ -19,12 +19,15 @@ namespace {
 void warn_of_accuracy(const RunResult& run, double tolerance, const RunMonitor& monitor) {
   const DeterministicAccuracy& a = *run.accuracy;
   if (a.reached) return;
-  monitor.warn(fmt::format(
-      "theta_i {:g}: the solver's bound is {:.1e} at worst after {} nodes and {} modes{}, short of "
-      "--tolerance {}; each value has its own bound",
-      theta_degrees(run.incident), a.error, a.nodes, a.modes,
-      a.limit == DeterministicLimit::interrupted ? ", when it was interrupted" : "",
-      to_text(tolerance)));
+  monitor.warn(
+      fmt::format("theta_i {:g}: the solver's bound is {:.1e} at worst after {}{}, short of "
+                  "--tolerance {}; each "
+                  "value has its own bound",
+                  theta_degrees(run.incident), a.error,
+                  a.harmonics ? fmt::format("spherical harmonics of degree {}", a.harmonics)
+                              : fmt::format("{} nodes and {} modes", a.nodes, a.modes),
+                  a.limit == DeterministicLimit::interrupted ? ", when it was interrupted" : "",
+                  to_text(tolerance)));
 }
 
 double worst_bound(const std::vector<RunResult>& solved) {
@@ -67,10 +70,11 @@ const EstimatorChoice& GroundTruth::choice() {
   if (choice_) return *choice_;
   choice_ = choose_estimator(request_, of_walks_, monitor_.stop, monitor_.solver);
   if (choice_->solution) solve_cells();
+  if (choice_->has_harmonics()) solve_harmonics();
   if (monitor_.solver && monitor_.finished) monitor_.finished();
   // A number of walks is an effort by itself; where time or error is, the cheaper walks win.
-  if (!request_.estimator && !choice_->solution && of_walks_ == Estimator::analog &&
-      (request_.effort.seconds || request_.effort.target_error)) {
+  if (!request_.estimator && choice_->estimator != Estimator::deterministic &&
+      of_walks_ == Estimator::analog && (request_.effort.seconds || request_.effort.target_error)) {
     const Pilot found = pilot(request_, plan_, directions()[directions().size() / 2]);
     choice_->estimator = found.best;
     choice_->reason += "; " + to_text(found);
@@ -78,11 +82,32 @@ const EstimatorChoice& GroundTruth::choice() {
   return *choice_;
 }
 
-void GroundTruth::solve_cells() {
-  const bool open = !request_.estimator;
+void GroundTruth::warn_of_walk_settings() const {
   for (const WalkSetting setting : request_.given)
     if (setting != WalkSetting::seconds)
       monitor_.warn(to_text(setting) + " means nothing to the deterministic estimator");
+}
+
+void GroundTruth::solve_harmonics() {
+  warn_of_walk_settings();
+  solved_ = harmonic_cells(request_, plan_, monitor_.stop, monitor_.solver);
+  if (request_.estimator) {
+    for (const RunResult& run : solved_)
+      if (const auto reason = why_no_answer(run)) refuse_answer(request_.stack, *reason);
+    return;
+  }
+  const auto reason = why_walks_are_better(solved_, request_);
+  if (reason && !is_stopped()) {
+    choice_ = EstimatorChoice{of_walks_, *reason, nullptr};
+    solved_.clear();
+  } else {
+    choice_->reason = reached_by(solved_);
+  }
+}
+
+void GroundTruth::solve_cells() {
+  const bool open = !request_.estimator;
+  warn_of_walk_settings();
   const auto solve = [&](const DeterministicSolution& solution) {
     return deterministic_runs(solution, plan_, directions(), request_.cells, request_.tolerance,
                               monitor_.stop, monitor_.solver);

@@ -52,6 +52,9 @@ class GroundTruth {
  private:
   // The cells of the choice's solution, or walks in its place where they are better.
   void solve_cells();
+  // The same of a stack without symmetry about the normal.
+  void solve_harmonics();
+  void warn_of_walk_settings() const;
 
   TruthRequest request_;
   Estimator of_walks_;

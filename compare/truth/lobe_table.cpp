@@ -235,7 +235,7 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
                           const SolverReport& report) {
   LobeTable table;
   table.stack_ = request.stack;
-  check_estimator(request);
+  check_estimator(request, TruthAt::pairs);
   // The lobe of a rough boundary is too narrow for a table, and order 1 is not closed behind it.
   const bool solvable = !why_not_deterministic(request.stack) && is_first_closed(request.stack) &&
                         request.given.empty();

@@ -29,7 +29,7 @@ class LobeTable {
   /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = HalfVectorGrid::kLeastMu.
   [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const { return towards(wo)(wi); }
 
-  /// The same as a function of w_i: the table is blended once per w_o. Must not outlive this
+  /// f of one w_o as a function of w_i: the table is blended once per w_o. Must not outlive this
   /// object.
   [[nodiscard]] std::function<Rgb(Direction wi)> towards(Direction wo) const;
 

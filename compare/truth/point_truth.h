@@ -36,9 +36,9 @@ struct TruthValue {
                                                const StopFlag* stop = nullptr,
                                                std::optional<double> seconds = {});
 
-/// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
-/// own cosines. standard_error is each pair's error bound.
-/// `report`, where there is one, is told after each pair.
+/// The truth at each pair from a solved stack: order 1 in closed form, the others from its modes at
+/// each pair's own cosines. standard_error is each pair's error bound. `report`, where there is
+/// one, is told after each pair.
 [[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
                                                const std::vector<DirectionPair>& pairs,
                                                const SolverReport& report = {});

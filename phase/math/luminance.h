@@ -19,8 +19,8 @@ inline constexpr const char* kLuminanceName = "luminance (Rec. 709)";
   return kLuminanceWeights[0] * c.r + kLuminanceWeights[1] * c.g + kLuminanceWeights[2] * c.b;
 }
 
-/// The same of a list of channels: of three, or the value itself of one. Standard errors, which
-/// channels that share walks have in common, and error bounds are combined in the same way.
+/// The luminance of a list of three channels, or the value itself of one channel. Standard errors,
+/// which channels that share walks have in common, and error bounds are combined in the same way.
 [[nodiscard]] constexpr double luminance(std::span<const double> channels) {
   return channels.size() == 1 ? channels[0] : luminance(Rgb(channels[0], channels[1], channels[2]));
 }

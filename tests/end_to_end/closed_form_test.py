@@ -159,6 +159,23 @@ class ModelsOfOnesOwn(ProgramTest):
                                       f"{folder}/hostile.so,kind={kind}", status=3)
                 self.assertEqual(len(answer.err.splitlines()), 1)
 
+    def test_a_projection_that_stays_open_is_told(self):
+        # A checkerboard far finer than the panels of a cell: its cells are known to the last change
+        # of their quadrature, which the comparison leaves out of its verdict and tells in a line.
+        model = os.environ["LAMELLA_PLUGINS"] + "/hostile.so,kind=7"
+        arguments = ("compare", "lambert_sphere_halfspace", "--walks", "2e4", "--wi", "60", "--grid",
+                     "2x4", "--model", model)
+        text = self.lamella(*arguments).out
+        line = [line for line in text.splitlines() if "leaves open up to" in line]
+        self.assertEqual(len(line), 1, text)
+        lobes = self.json_of(*arguments, "--quiet")["models"][0]["lobes"]
+        share = max(lobe["projection_open"] for lobe in lobes)
+        self.assertGreater(share, 1e-4)
+        # A smooth form leaves nothing open.
+        smooth = self.json_of(*arguments[:-1], "eon,albedo=0.5,roughness=0.5", "--quiet")
+        for lobe in smooth["models"][0]["lobes"]:
+            self.assertEqual(lobe["projection_open"], 0)
+
     def test_broken_ones_are_refused(self):
         folder = os.environ["LAMELLA_PLUGINS"]
         for name, status in (("no_symbol", 2), ("wrong_version", 2), ("no_eval", 2),

@@ -17,9 +17,22 @@ constexpr int kGrazingStrips = 4;
 
 using Function = std::function<Rgb(double mu, double phi)>;
 
-// A range with elevations, its mu = sin e.
+// The elevation e, mu = sin e, as a function of t: t itself, or, beside a kink, a distance from it
+// of t^4, t from 0 to 1: the root of the distance is smooth in t then.
+struct Elevation {
+  double kink = 0, length = 0;  // length: signed, to the other end; 0: e = t
+
+  [[nodiscard]] double at(double t) const {
+    return length == 0 ? t : kink + length * t * t * t * t;
+  }
+  [[nodiscard]] double slope(double t) const {
+    return length == 0 ? 1 : 4 * std::abs(length) * t * t * t;
+  }
+};
+
 struct AngleRange {
-  double e0, e1, phi0, phi1;
+  double t0, t1, phi0, phi1;
+  Elevation elevation = {};
 };
 
 Rgb absolute(Rgb x) { return {std::abs(x.r), std::abs(x.g), std::abs(x.b)}; }
@@ -30,12 +43,13 @@ Rgb integral(const Function& f, const AngleRange& r, int points) {
   const Quadrature& rule = cached_gauss_legendre(points);
   Rgb sum;
   for (int a = 0; a < points; ++a) {
-    const double e = r.e0 + (r.e1 - r.e0) * rule.points[a], mu = std::sin(e);
+    const double t = r.t0 + (r.t1 - r.t0) * rule.points[a];
+    const double e = r.elevation.at(t), mu = std::sin(e), slope = r.elevation.slope(t);
     for (int b = 0; b < points; ++b)
-      sum += rule.weights[a] * rule.weights[b] * mu * std::cos(e) *
+      sum += rule.weights[a] * rule.weights[b] * mu * std::cos(e) * slope *
              f(mu, r.phi0 + (r.phi1 - r.phi0) * rule.points[b]);
   }
-  return (r.e1 - r.e0) * (r.phi1 - r.phi0) * sum;
+  return (r.t1 - r.t0) * (r.phi1 - r.phi0) * sum;
 }
 
 struct Part {
@@ -47,23 +61,25 @@ struct Part {
 };
 
 std::array<AngleRange, 4> quarters(const AngleRange& r) {
-  const double e = (r.e0 + r.e1) / 2, phi = (r.phi0 + r.phi1) / 2;
-  return {{{r.e0, e, r.phi0, phi},
-           {r.e0, e, phi, r.phi1},
-           {e, r.e1, r.phi0, phi},
-           {e, r.e1, phi, r.phi1}}};
+  const double t = (r.t0 + r.t1) / 2, phi = (r.phi0 + r.phi1) / 2;
+  return {{{r.t0, t, r.phi0, phi, r.elevation},
+           {r.t0, t, phi, r.phi1, r.elevation},
+           {t, r.t1, r.phi0, phi, r.elevation},
+           {t, r.t1, phi, r.phi1, r.elevation}}};
 }
 
 bool holds(const AngleRange& r, std::pair<double, double> peak) {
   constexpr double kEdge = 1e-12;
-  return peak.first >= r.e0 - kEdge && peak.first <= r.e1 + kEdge &&
-         peak.second >= r.phi0 - kEdge && peak.second <= r.phi1 + kEdge;
+  const auto [low, high] = std::minmax({r.elevation.at(r.t0), r.elevation.at(r.t1)});
+  return peak.first >= low - kEdge && peak.first <= high + kEdge && peak.second >= r.phi0 - kEdge &&
+         peak.second <= r.phi1 + kEdge;
 }
 
 }  // namespace
 
 CellMean cell_mean(const Function& f, const MuPhiRange& range, Rgb tolerance,
-                   const std::vector<std::pair<double, double>>& peaks) {
+                   const std::vector<std::pair<double, double>>& peaks,
+                   const std::vector<double>& kinks) {
   const double size =
       (range.mu1 - range.mu0) * (range.mu1 + range.mu0) / 2 * (range.phi1 - range.phi0);
   std::priority_queue<Part> parts;
@@ -87,11 +103,35 @@ CellMean cell_mean(const Function& f, const MuPhiRange& range, Rgb tolerance,
     if (!sharp || halvings == 0) return add(r);
     for (const AngleRange& quarter : quarters(r)) add_halved(quarter, halvings - 1);
   };
-  const double e0 = std::asin(range.mu0);
-  double top = std::asin(range.mu1);
-  for (int strip = 1; e0 == 0 && strip < kGrazingStrips; ++strip, top /= 2)
-    add_halved({top / 2, top, range.phi0, range.phi1}, kPeakHalvings);
-  add_halved({e0, top, range.phi0, range.phi1}, kPeakHalvings);
+  // From one end to the other without a kink between; strips towards grazing.
+  const auto add_smooth = [&](double e0, double e1) {
+    for (int strip = 1; e0 == 0 && strip < kGrazingStrips; ++strip, e1 /= 2)
+      add_halved({e1 / 2, e1, range.phi0, range.phi1}, kPeakHalvings);
+    add_halved({e0, e1, range.phi0, range.phi1}, kPeakHalvings);
+  };
+  const auto add_beside = [&](double kink, double end) {
+    add_halved({0, 1, range.phi0, range.phi1, {kink, end - kink}}, kPeakHalvings);
+  };
+  constexpr double kSame = 1e-9;  // elevations
+  const double low = std::asin(range.mu0), high = std::asin(range.mu1);
+  double from = low;
+  bool from_kink = false;
+  const auto add_piece = [&](double to, bool to_kink) {
+    const double middle = (from + to) / 2;
+    if (to - from < kSame) return;
+    if (from_kink) add_beside(from, to_kink ? middle : to);
+    if (to_kink) add_beside(to, from_kink || from == 0 ? middle : from);
+    if (!from_kink && (!to_kink || from == 0)) add_smooth(from, to_kink ? middle : to);
+  };
+  for (const double kink : kinks) {
+    const double e = std::asin(kink);
+    if (e < low - kSame || e > high + kSame) continue;
+    const double inside = std::clamp(e, low, high);
+    add_piece(inside, true);
+    from = inside;
+    from_kink = true;
+  }
+  add_piece(high, false);
   CellMean mean;
   const auto within = [&] {
     for (int c = 0; c < 3; ++c)

@@ -23,8 +23,10 @@ struct CellMean {
 /// parts that are halved both ways where they differ most from 3 x 3 points, until those
 /// differences sum to less than `tolerance` (absolute, per channel). `peak`: where f may be sharp,
 /// (mu, phi); parts that hold it, edges included, are halved towards it before any is judged.
+/// `kinks`: ascending cosines at which f behaves like the root of the distance; parts end there.
 [[nodiscard]] CellMean cell_mean(const std::function<Rgb(double mu, double phi)>& f,
                                  const MuPhiRange& range, Rgb tolerance,
-                                 const std::vector<std::pair<double, double>>& peaks);
+                                 const std::vector<std::pair<double, double>>& peaks,
+                                 const std::vector<double>& kinks = {});
 
 }  // namespace lamella

@@ -14,7 +14,7 @@ struct Quadrature {
 /// Legendre recurrence; points and weights to about 1e-15. n >= 1.
 [[nodiscard]] Quadrature gauss_legendre(int n);
 
-/// The same, computed once per thread and n.
+/// The rule of gauss_legendre(n), computed once per thread and n.
 [[nodiscard]] const Quadrature& cached_gauss_legendre(int n);
 
 /// A parameter u in [0, 1] of the cosine mu. Radiance inside a layer behaves like mu log mu and

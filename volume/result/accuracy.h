@@ -29,6 +29,8 @@ struct DeterministicAccuracy {
   /// from 0, whichever is largest.
   double energy_defect = 0;
   int nodes = 0, modes = 0;            ///< modes: the most of any channel
+  /// Degree of the spherical harmonics, where those have solved the stack; 0: adding and doubling.
+  int harmonics = 0;
   std::array<int, 3> channel_modes{};  ///< per colour channel
   double seconds = 0;
   std::size_t bytes = 0;  ///< of the kernels, the largest tables

@@ -8,7 +8,9 @@
 
 #include "phase/math/larger_error.h"
 #include "volume/quadrature/cell_quadrature.h"
+#include "volume/solver/closed_cells.h"
 #include "volume/solver/closed_orders.h"
+#include "volume/solver/critical_cosines.h"
 #include "volume/solver/row_sampler.h"
 
 namespace lamella {
@@ -27,31 +29,23 @@ Eigen::MatrixXd column_cosines(const CellGrid& grid, int modes) {
   return cosines;
 }
 
-// A closed order on the cells of one side.
-template <class Order>
-std::vector<CellMean> closed_cells(const CellGrid& grid, Direction wi, bool up,
-                                   const std::vector<Rgb>& tolerance_of_row, const Order& order) {
-  std::vector<CellMean> cells(grid.cells());
-  // Mirror flakes and strong forward scattering peak about the mirror direction and straight on.
-  const double mu_i = std::abs(wi.z);
-  const std::vector<std::pair<double, double>> peaks{{mu_i, 0}, {mu_i, kPi}, {mu_i, 2 * kPi}};
-  const double turn = azimuth(wi), side = up ? 1 : -1;
-  tbb::parallel_for(0, grid.cells(), [&](int cell) {
-    const int row = cell / grid.columns(), column = cell % grid.columns();
-    cells[cell] = cell_mean(
-        [&](double mu, double phi) { return order(direction_from_mu_phi(side * mu, turn + phi)); },
-        {grid.edge_mu(row + 1), grid.edge_mu(row), grid.edge_phi(column),
-         grid.edge_phi(column + 1)},
-        tolerance_of_row[row], peaks);
-  });
-  return cells;
-}
-
 // Whether there are mirror flakes, whose phase functions jump straight on.
 bool has_mirrors(const Stack& stack) {
   return std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
     return !layer.interface && traits(layer.medium).shape == PhaseShape::jump;
   });
+}
+
+// Mirror flakes are steep about w_o = -w_i.
+PanelEdges edges_of_panels(const Stack& stack, const std::vector<double>& mu_i) {
+  PanelEdges edges{{}, critical_cosines(stack, true)};
+  for (const double mu : critical_cosines(stack, false)) edges.root.push_back(mu);
+  if (has_mirrors(stack))
+    for (const double mu : mu_i) {
+      edges.steep.push_back(std::abs(mu));
+      edges.steep.push_back(bent_through(stack, mu));
+    }
+  return edges;
 }
 
 struct Assembly {
@@ -77,7 +71,7 @@ struct Assembly {
                           sampler.row(i, std::min(c, channels - 1), up, row).scale;
     const Stack& stack = solution.stack();
     const auto closed = [&](Rgb ClosedOrders::*order) {
-      return closed_cells(grid, wi, up, allowed,
+      return closed_cells(stack, grid, wi, up, allowed,
                           [&, order](Direction wo) { return closed_orders(stack, wi, wo).*order; });
     };
     const bool is_rough = !is_first_closed(stack);
@@ -198,7 +192,7 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
   // Quadratures finer than what the solver reached would cost time for nothing.
   const double quadrature = std::max(tolerance, solution.accuracy().error / 2);
   const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i,
-                           has_mirrors(solution.stack()), quadrature, stop,
+                           edges_of_panels(solution.stack(), mu_i), quadrature, stop,
                            [&](double share) { tell(share / 2); });
   const std::vector<DeterministicEnergies> energies = solution.energies(mu_i);
   const Assembly assembly{solution, sampler, grid, plan.channels, quadrature};

@@ -13,6 +13,8 @@ namespace {
 
 // Panels in mu that hold whole rows of cells, and how many points the first round gives each.
 constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 48;
+// Powers of t that make f smooth where it is steep, and where it behaves like a root.
+constexpr int kSteepPower = 3, kRootPower = 4;
 
 // Where f is steep within a panel: at one of its ends, or nowhere.
 enum class Steep { nowhere, low, high };
@@ -66,41 +68,50 @@ struct RowSampler::Panel {
   int first_row, end_row;
   double low, high;  // elevations
   Steep steep = Steep::nowhere;
+  int power = kSteepPower;
   int points = kPoints;
 
-  // steep_at: cosines about which f is steep, besides 0.
-  [[nodiscard]] static std::vector<Panel> make(const CellGrid& grid,
-                                               const std::vector<double>& steep_at);
+  // edges: where f is not smooth, besides mu = 0.
+  [[nodiscard]] static std::vector<Panel> make(const CellGrid& grid, const PanelEdges& edges);
   [[nodiscard]] Eigen::MatrixXd row_weights(const CellGrid& grid) const;
 
   // Radiance behaves like mu log mu at grazing, and that of mirror flakes like x log x, x the
-  // distance from |mu_i|: a distance of t^3 makes that smooth.
+  // distance from |mu_i|: a distance of t^3 makes that smooth; t^4 does so at a critical angle,
+  // where it behaves like the root of x.
   [[nodiscard]] double elevation(double t) const {
     const double length = high - low, back = 1 - t;
-    return steep == Steep::low    ? low + length * t * t * t
-           : steep == Steep::high ? high - length * back * back * back
+    return steep == Steep::low    ? low + length * raised(t)
+           : steep == Steep::high ? high - length * raised(back)
                                   : low + length * t;
   }
   [[nodiscard]] double mu(double t) const { return std::sin(elevation(t)); }
   // d mu / dt
   [[nodiscard]] double slope(double t) const {
     const double from = steep == Steep::high ? 1 - t : t;
-    return std::cos(elevation(t)) * (high - low) * (steep == Steep::nowhere ? 1 : 3 * from * from);
+    const double rise = steep == Steep::nowhere ? 1 : power * from * from;
+    return std::cos(elevation(t)) * (high - low) *
+           (steep != Steep::nowhere && power == kRootPower ? rise * from : rise);
   }
   // Within [0, 1], whatever mu is.
   [[nodiscard]] double parameter(double m) const {
     const double part = std::clamp((std::asin(m) - low) / (high - low), 0.0, 1.0);
-    return steep == Steep::low    ? std::cbrt(part)
-           : steep == Steep::high ? 1 - std::cbrt(1 - part)
-                                  : part;
+    return steep == Steep::low ? root(part) : steep == Steep::high ? 1 - root(1 - part) : part;
+  }
+  [[nodiscard]] double raised(double t) const {
+    return power == kRootPower ? t * t * t * t : t * t * t;
+  }
+  [[nodiscard]] double root(double x) const {
+    return power == kRootPower ? std::sqrt(std::sqrt(x)) : std::cbrt(x);
   }
 };
 
 std::vector<RowSampler::Panel> RowSampler::Panel::make(const CellGrid& grid,
-                                                       const std::vector<double>& steep_at) {
+                                                       const PanelEdges& edges) {
   constexpr double kSame = 1e-9;  // elevations
-  std::vector<double> steep{0}, ends;
-  for (const double mu : steep_at) steep.push_back(std::asin(std::abs(mu)));
+  std::vector<double> steep{0}, roots, ends;
+  for (const double mu : edges.steep) steep.push_back(std::asin(mu));
+  for (const double mu : edges.root) roots.push_back(std::asin(mu));
+  steep.insert(steep.end(), roots.begin(), roots.end());
   const int count = std::min(grid.rows(), kPanels);
   for (int p = 0; p <= count; ++p) ends.push_back(std::asin(grid.edge_mu(p * grid.rows() / count)));
   for (const double e : steep) ends.push_back(e);
@@ -108,13 +119,14 @@ std::vector<RowSampler::Panel> RowSampler::Panel::make(const CellGrid& grid,
   ends.erase(
       std::unique(ends.begin(), ends.end(), [](double x, double y) { return y - x < kSame; }),
       ends.end());
-  const auto is_steep = [&](double e) {
-    return std::any_of(steep.begin(), steep.end(),
-                       [&](double s) { return std::abs(s - e) < kSame; });
+  const auto is_in = [&](const std::vector<double>& list, double e) {
+    return std::any_of(list.begin(), list.end(), [&](double s) { return std::abs(s - e) < kSame; });
   };
   std::vector<Panel> panels;
   const auto add = [&](double from, double to, Steep where) {
     Panel panel{grid.rows(), 0, from, to, where};
+    if (where != Steep::nowhere && is_in(roots, where == Steep::low ? from : to))
+      panel.power = kRootPower;
     for (int row = 0; row < grid.rows(); ++row)
       if (std::asin(grid.edge_mu(row)) > from + kSame &&
           std::asin(grid.edge_mu(row + 1)) < to - kSame) {
@@ -125,7 +137,7 @@ std::vector<RowSampler::Panel> RowSampler::Panel::make(const CellGrid& grid,
   };
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
     const double low = ends[k], high = ends[k + 1], middle = (low + high) / 2;
-    const bool at_low = is_steep(low), at_high = is_steep(high);
+    const bool at_low = is_in(steep, low), at_high = is_in(steep, high);
     if (at_low && at_high) {
       add(low, middle, Steep::low);
       add(middle, high, Steep::high);
@@ -162,7 +174,7 @@ Eigen::MatrixXd RowSampler::Panel::row_weights(const CellGrid& grid) const {
 }
 
 RowSampler::RowSampler(const DeterministicSolution& solution, const CellGrid& grid, int channels,
-                       bool both_sides, std::vector<double> mu_i, bool steep_about_mu_i,
+                       bool both_sides, std::vector<double> mu_i, const PanelEdges& edges,
                        double tolerance, const std::atomic<bool>* stop,
                        const std::function<void(double share)>& report)
     : solution_(solution),
@@ -174,7 +186,7 @@ RowSampler::RowSampler(const DeterministicSolution& solution, const CellGrid& gr
       tolerance_(tolerance),
       stop_(stop),
       rows_(mu_i_.size() * channels * sides_ * grid.rows()) {
-  std::vector<Panel> panels = Panel::make(grid, steep_about_mu_i ? mu_i_ : std::vector<double>());
+  std::vector<Panel> panels = Panel::make(grid, edges);
   const double all = static_cast<double>(panels.size());
   while (!panels.empty()) {
     panels = sample(panels);

@@ -25,15 +25,20 @@ struct RowModes {
   RowModes& operator+=(const RowModes& part);
 };
 
+/// Cosines of outgoing directions, on either side, about which f is not smooth.
+struct PanelEdges {
+  std::vector<double> steep;  ///< f behaves like x log x of the distance x
+  std::vector<double> root;   ///< like the root of x: critical angles
+};
+
 /// Cosine-weighted means of a solution's modes over the rows of a grid, by Gauss-Legendre panels in
 /// mu whose points are doubled until what they leave is within a share of the tolerance.
 class RowSampler {
  public:
-  /// steep_about_mu_i: f is steep about w_o = -w_i, and panels end there. `stop`, where there is
-  /// one, ends the doubling once it is true; bounds say what that leaves. `report` is told what
-  /// share of the panels is done.
+  /// Panels end at `edges`. `stop`, where there is one, ends the doubling once it is true; bounds
+  /// say what that leaves. `report` is told what share of the panels is done.
   RowSampler(const DeterministicSolution& solution, const CellGrid& grid, int channels,
-             bool both_sides, std::vector<double> mu_i, bool steep_about_mu_i, double tolerance,
+             bool both_sides, std::vector<double> mu_i, const PanelEdges& edges, double tolerance,
              const std::atomic<bool>* stop, const std::function<void(double share)>& report);
 
   /// Incident direction i of the list.

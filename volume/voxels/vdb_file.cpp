@@ -12,6 +12,7 @@
 
 #include "phase/parameters/one_line.h"
 #include "volume/voxels/vdb_archive.h"
+#include "volume/voxels/vdb_identity.h"
 #include "volume/voxels/vdb_tile.h"
 
 namespace lamella {
@@ -83,6 +84,8 @@ void write_vdb(const std::string& path, const Voxels& voxels, Vec3<double> voxel
   try {
     openvdb::io::File file(path);
     file.write(grids);
+    file.close();
+    set_identity_by_content(path);
   } catch (const std::exception& failure) {
     throw GridFileError(fmt::format("{}: cannot be written ({})", path, one_line(failure.what())));
   }

@@ -50,6 +50,22 @@ TEST(CellQuadrature, MeetsItsToleranceAtAPeakNarrowerThanTheCell) {
   EXPECT_FALSE(mean.exhausted);
 }
 
+TEST(CellQuadrature, EndsItsPartsAtRoots) {
+  // The root of a distance on one side, within the cell, at its edges, and beside another.
+  for (const double kink : {0.5, 0.5734, 0.6}) {
+    const auto f = [&](double mu, double) {
+      return Rgb(std::sqrt(std::max(0.0, mu - kink)), 1, 1);
+    };
+    const CellMean mean = cell_mean(f, {0.5, 0.6, 0, 0.2}, Rgb(1e-10), {{0.55, 0.1}}, {0.3, kink});
+    // Of sqrt(x) (x + kink) over x from 0 to 0.6 - kink.
+    const double x = 0.6 - kink;
+    const double integral = std::pow(x, 2.5) * 2 / 5 + kink * std::pow(x, 1.5) * 2 / 3;
+    EXPECT_NEAR(mean.value.r, integral / ((0.36 - 0.25) / 2), 1e-10) << kink;
+    EXPECT_NEAR(mean.value.g, 1, 1e-10) << kink;
+    EXPECT_FALSE(mean.exhausted);
+  }
+}
+
 TEST(CellQuadrature, SaysWhereItGaveUp) {
   // A slanted edge: halving both ways gains a factor of 2 for twice the parts.
   const CellMean mean =

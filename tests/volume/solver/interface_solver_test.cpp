@@ -138,6 +138,44 @@ TEST(InterfaceSolver, SmoothCoatsKeepReciprocityEnergyAndOrders) {
   }
 }
 
+// Cells are integrals of their own: their sum is the energy of the nodes within their bounds, which
+// are as small as asked, though f behaves like a root at the critical angle of a denser bottom.
+TEST(InterfaceSolver, CellsAddUpToTheEnergyOfTheNodes) {
+  constexpr double kTolerance = 1e-5;
+  const std::string sand = layer(vmf(0.5, "lambert"), 1, 1);
+  for (const std::string& toml :
+       {interface(1.4) + sand, interface(1.4) + layer(sggx(0.3, "lambert"), 0.9, 0.5),
+        interface(1.6) + sand + interface(1.3), interface(0.8) + sand + interface(1.2),
+        interface(1.5) + layer(kIsotropic, 0.9, 1) + lambert_ground(0.5)}) {
+    const Stack stack = stack_of(toml);
+    std::vector<Direction> incident{direction_from_degrees(30, 0), direction_from_degrees(85, 0)};
+    if (stack.is_open_below()) incident.push_back(direction_from_degrees(130, 40));
+    const DeterministicSolution s = solve_deterministic(stack, {.tolerance = kTolerance / 2});
+    for (const CellGrid grid : {CellGrid{8, 8, false}, CellGrid{3, 4, false}}) {
+      const std::vector<RunResult> runs =
+          deterministic_runs(s, make_plan(stack), incident, grid, kTolerance);
+      for (std::size_t i = 0; i < runs.size(); ++i) {
+        const double mu[] = {incident[i].z};
+        const DeterministicEnergies nodes = s.energies(mu).front();
+        for (const bool reflected : {true, false}) {
+          const SideResult& side = reflected ? runs[i].reflected : runs[i].transmitted;
+          const LobeEstimate& all = side.lobes[kTallyOrders];
+          if (all.value.empty()) continue;
+          double sum = reflected ? nodes.specular_of[4].r : 0, bound = 0;
+          for (int k = 0; k < runs[i].grid.cells(); ++k) {
+            sum += runs[i].grid.projected_solid_angle() * all.value[k];
+            bound += runs[i].grid.projected_solid_angle() * all.standard_error[k];
+          }
+          const double energy = reflected ? nodes.reflected[4].r : nodes.transmitted[4].r;
+          EXPECT_NEAR(sum, energy, bound + s.accuracy().node_error * energy)
+              << toml << " direction " << i << (reflected ? " reflected" : " transmitted");
+          EXPECT_LE(bound, 2 * kTolerance * energy + 1e-12) << toml << " direction " << i;
+        }
+      }
+    }
+  }
+}
+
 TEST(InterfaceSolver, SmoothHardCasesHaveFiniteNumbersAndKeepEnergy) {
   const double deep = 1e6;
   for (const std::string& toml :

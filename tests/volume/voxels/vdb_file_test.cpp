@@ -46,6 +46,23 @@ TEST_F(VdbFile, ReadsBackEveryVoxelThatWasWritten) {
   EXPECT_FALSE(again.orientation || again.roughness || again.albedo);
 }
 
+TEST_F(VdbFile, EqualGridsMakeEqualFilesAndOthersDoNot) {
+  const auto bytes = [&](const std::string& name, float density) {
+    write_vdb(
+        file(name),
+        testing::voxels_of(
+            {9, 8, 8}, [&](VoxelIndex i) { return i[0] < 4 ? density : testing::scrambled(i); }),
+        {1, 1, 1});
+    std::ifstream stream(file(name), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  const std::string first = bytes("first.vdb", 1);
+  EXPECT_EQ(first, bytes("second.vdb", 1));
+  // Another identifier, not other voxels alone.
+  EXPECT_NE(first.substr(0, 57), bytes("other.vdb", 2).substr(0, 57));
+  EXPECT_EQ(read_vdb(file("first.vdb")).voxels.extent().voxels, (VoxelIndex{9, 8, 8}));
+}
+
 TEST_F(VdbFile, TakesTheBoxOfActiveVoxelsAndTilesOfOtherToolsFiles) {
   const auto density = openvdb::FloatGrid::create(7.0f);
   density->setName("density");

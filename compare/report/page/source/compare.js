@@ -8,7 +8,7 @@ import {heading} from "./heading.js";
 import {previews} from "./previews.js";
 import {stackDrawing} from "./stack.js";
 
-const orders = ["0", "1", "2", "3", "4+", "1+", "all"];
+const allOrders = ["0", "1", "2", "3", "4+", "1+", "all"];
 const orderText = (o) => o === "all" ? "all orders" : `order ${o}`;
 const sideText = {reflect: "reflected", transmit: "transmitted"};
 const ledgerSide = {reflect: "reflected", transmit: "transmitted"};
@@ -37,6 +37,8 @@ const shortVerdict = (lobe) => lobe.verdict === "agrees" ? "✓" : lobe.verdict 
 export function compare(page, answer, details) {
   const {grid, channels, runs} = details;
   const columns = grid.folded ? grid.phi_cells / 2 : grid.phi_cells, cells = grid.mu_cells * columns;
+  // What interfaces make, order 0 and the sum of the others, is there where they do.
+  const orders = allOrders.filter((o) => Object.keys(details.truth).some((key) => key.endsWith(`/${o}`)));
   const sides = ["reflect", "transmit"].filter((s) => runs.some((r, k) => details.truth[`${k}/${s}/all`]));
   const names = answer.models.map((m, k) => nameOf(answer.models, k));
   const state = {run: Math.min(runs.length - 1, Math.floor(runs.length / 2)), side: "reflect", order: "all",

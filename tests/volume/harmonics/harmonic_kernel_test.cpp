@@ -1,0 +1,189 @@
+// Harmonics, their turns, and media's kernels in them: against quadrature of their definitions.
+#include "volume/harmonics/harmonic_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "volume/harmonics/beam_quadrature.h"
+#include "volume/harmonics/depth_panels.h"
+#include "volume/harmonics/sphere_grid.h"
+#include "volume/harmonics/wigner.h"
+#include "volume/quadrature/quadrature.h"
+
+namespace lamella {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+TEST(HarmonicBasis, IsOrthonormal) {
+  for (const int degree : {0, 1, 7, 24}) {
+    const HarmonicBasis basis(degree);
+    const SphereGrid grid = SphereGrid::quadrature(basis, degree + 2, 2 * degree + 2);
+    MatrixXd gram = MatrixXd::Zero(basis.size(), basis.size());
+    VectorXd values(basis.size());
+    for (int k = 0; k < grid.size(); ++k) {
+      basis.values(grid.direction(k), values);
+      gram += grid.weight(k) * values * values.transpose();
+    }
+    EXPECT_LT((gram - MatrixXd::Identity(basis.size(), basis.size())).cwiseAbs().maxCoeff(), 1e-12)
+        << degree;
+  }
+}
+
+TEST(SphereGrid, CarriesCoefficientsThereAndBack) {
+  const HarmonicBasis basis(20);
+  const SphereGrid grid = SphereGrid::quadrature(basis, 22, 42);
+  const MatrixXd coefficients = MatrixXd::Random(basis.size(), 3);
+  const MatrixXd values = grid.values(coefficients);
+  VectorXd harmonics(basis.size());
+  for (int k = 0; k < grid.size(); k += 37) {
+    basis.values(grid.direction(k), harmonics);
+    EXPECT_NEAR(values(1, k), harmonics.dot(coefficients.col(1)), 1e-12);
+  }
+  EXPECT_LT((grid.coefficients(values) - coefficients).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Wigner, IsTheKnownPolynomialAtLowDegreesAndOrthogonalAtHighOnes) {
+  VectorXd d(3);
+  for (const double angle : {0.0, 0.3, 1.2, kPi / 2, 3.0}) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    wigner_d(1, 0, angle, d);
+    EXPECT_NEAR(d[1], -s / std::sqrt(2), 1e-14);
+    EXPECT_NEAR(d[2], -std::sqrt(1.5) * s * c, 1e-14);
+    wigner_d(-1, 1, angle, d);
+    EXPECT_NEAR(d[1], (1 - c) / 2, 1e-14);
+    wigner_d(0, 0, angle, d);
+    EXPECT_NEAR(d[2], (3 * c * c - 1) / 2, 1e-14);
+    wigner_d(2, -2, angle, d);
+    EXPECT_NEAR(d[2], std::pow((1 - c) / 2, 2), 1e-14);
+  }
+  // Rows of a turn have length 1.
+  constexpr int kDegree = 80;
+  VectorXd values(kDegree + 1);
+  for (const int m : {0, 3, -50, 80}) {
+    double square = 0;
+    for (int n = -kDegree; n <= kDegree; ++n) {
+      wigner_d(m, n, 0.9, values);
+      square += values[kDegree] * values[kDegree];
+    }
+    EXPECT_NEAR(square, 1, 1e-11) << m;
+  }
+}
+
+TEST(HarmonicTurn, ShowsAFunctionFromTheAxis) {
+  const HarmonicBasis basis(15);
+  const VectorXd coefficients = VectorXd::Random(basis.size());
+  VectorXd here(basis.size()), there(basis.size());
+  for (const Direction axis : {direction_from_mu_phi(0.3, 2.1), direction_from_mu_phi(-0.8, -1),
+                               Direction{0, 0, -1}, Direction{1, 0, 0}}) {
+    const HarmonicTurn turn(basis, axis);
+    const MatrixXd turned = turn.to_axis(coefficients);
+    EXPECT_LT((turn.from_axis(turned) - coefficients).cwiseAbs().maxCoeff(), 1e-13);
+    const double theta = std::acos(axis.z), phi = std::atan2(axis.y, axis.x);
+    for (int k = 0; k < 10; ++k) {
+      const Direction v = direction_from_mu_phi(-0.95 + 0.2 * k, 0.7 * k);
+      const Direction about_y{std::cos(theta) * v.x + std::sin(theta) * v.z, v.y,
+                              std::cos(theta) * v.z - std::sin(theta) * v.x};
+      const Direction w{std::cos(phi) * about_y.x - std::sin(phi) * about_y.y,
+                        std::sin(phi) * about_y.x + std::cos(phi) * about_y.y, about_y.z};
+      basis.values(w, here);
+      basis.values(v, there);
+      EXPECT_NEAR(there.dot(turned.col(0)), here.dot(coefficients), 1e-12);
+    }
+  }
+}
+
+// What a medium makes of smooth radiance, against the integral of its phase function about the
+// direction where it may jump. The tolerance is the degree's: kernels of that roughness leave less.
+TEST(HarmonicKernel, ScattersSmoothLightAsThePhaseFunctionDoes) {
+  const Direction axis = normalized(Direction{0.6, -0.3, 0.5});
+  struct Case {
+    Medium medium;
+    int degree;
+    double tolerance;
+  };
+  const HarmonicBasis fine(200);
+  for (const auto& [medium, degree, tolerance] :
+       {Case{MirrorFlakes<Sggx>{Sggx(Sggx::surface_matrix(0.5, axis))}, 32, 1e-8},
+        Case{MirrorFlakes<Sggx>{Sggx(Sggx::fiber_matrix(0.3, axis))}, 48, 1e-7},
+        Case{LambertFlakes<Sggx>{Sggx(Sggx::fiber_matrix(0.5, axis))}, 32, 1e-8},
+        Case{MirrorFlakes<Vmf>{Vmf(0.5, axis)}, 32, 1e-8},
+        Case{LambertFlakes<Vmf>{Vmf(0.7, axis)}, 24, 1e-6}, Case{LambertSphere{}, 24, 1e-8},
+        Case{HenyeyGreenstein{0.6}, 24, 1e-8}, Case{Rayleigh{}, 4, 1e-3}}) {
+    const HarmonicBasis basis(degree);
+    const HarmonicKernel kernel(medium, 1, basis);
+    const Direction d = normalized(Direction{0.2, -0.5, -0.7});
+    const auto radiance = [&](Direction v) { return std::exp(2 * dot(v, d)); };
+    const SphereGrid grid = SphereGrid::quadrature(basis, 60, 120);
+    MatrixXd values(1, grid.size());
+    for (int k = 0; k < grid.size(); ++k) values(0, k) = radiance(grid.direction(k));
+    const MatrixXd source = kernel.apply(grid.coefficients(values));
+    VectorXd harmonics(basis.size());
+    for (const Direction wo : {direction_from_mu_phi(0.6, 1), direction_from_mu_phi(-0.3, 4)}) {
+      double expected = 0;
+      const BeamQuadrature about(wo, 80, 160);
+      for (std::size_t k = 0; k < about.directions.size(); ++k) {
+        const Direction v = about.directions[k];
+        expected +=
+            about.weights[k] * radiance(v) * sigma(medium, -v) * phase(medium, -v, wo).density;
+      }
+      basis.values(wo, harmonics);
+      EXPECT_NEAR(harmonics.dot(source.col(0)) / expected, 1, tolerance)
+          << medium.index() << " degree " << degree;
+    }
+  }
+}
+
+TEST(HarmonicKernel, OfMirrorsHasSchlicksFactor) {
+  const Medium medium = MirrorFlakes<Sggx>{Sggx(Sggx::surface_matrix(0.6, Direction{0, 0.6, 0.8}))};
+  const HarmonicBasis basis(28);
+  const HarmonicKernel kernel(medium, 0.1, basis);
+  VectorXd uniform = VectorXd::Zero(basis.size());
+  uniform[0] = std::sqrt(4 * kPi);
+  const Direction wo = direction_from_mu_phi(0.7, 2);
+  const BeamQuadrature about(wo, 80, 160);
+  double expected = 0;
+  for (std::size_t k = 0; k < about.directions.size(); ++k) {
+    const Direction v = about.directions[k];
+    const PhaseValue p = phase(medium, -v, wo);
+    expected += about.weights[k] * sigma(medium, -v) * p.density * (0.1 + 0.9 * p.schlick);
+  }
+  VectorXd harmonics(basis.size());
+  basis.values(wo, harmonics);
+  EXPECT_NEAR(harmonics.dot(kernel.apply(uniform).col(0)) / expected, 1, 1e-8);
+}
+
+// Attenuation and gathering within a panel, against quadrature fine enough for each depth.
+TEST(PanelIntegrals, AreThoseOfPolynomialsUnderAnExponential) {
+  constexpr int kNodes = 7;
+  const PanelIntegrals integrals(kNodes);
+  const Quadrature& nodes = cached_gauss_legendre(kNodes);
+  const Quadrature& fine = cached_gauss_legendre(200);
+  const auto polynomial = [](double t) { return 1 + t * (2 - 3 * t + t * t * t); };
+  double gather[kNodes * kNodes], leave[kNodes], pass[kNodes];
+  for (const double x : {0.0, 1e-9, 0.1, 3.0, 23.9, 24.1, 100.0, 1e5}) {
+    integrals.at(x, gather, leave, pass);
+    for (int i = 0; i <= kNodes; ++i) {
+      const double end = i < kNodes ? nodes.points[i] : 1;
+      double found = 0, expected = 0;
+      for (int j = 0; j < kNodes; ++j)
+        found += (i < kNodes ? gather[j * kNodes + i] : leave[j]) * polynomial(nodes.points[j]);
+      // In t' = x (end - t), of which only some 40 count.
+      const double range = x * end > 40 ? 40 / x : end;
+      for (Eigen::Index q = 0; q < fine.points.size(); ++q) {
+        const double back = range * fine.points[q];
+        expected += range * fine.weights[q] * std::exp(-x * back) * polynomial(end - back);
+      }
+      EXPECT_NEAR(found, expected, 1e-12 * (1 + expected)) << "x " << x << " node " << i;
+      EXPECT_NEAR(found / expected, 1, 1e-9) << "x " << x << " node " << i;
+      if (i < kNodes) {
+        EXPECT_EQ(pass[i], std::exp(-x * end));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamella

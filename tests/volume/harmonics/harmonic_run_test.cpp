@@ -1,0 +1,253 @@
+// Stacks without symmetry about the normal in spherical harmonics: against the solver of symmetric
+// stacks, conservation, reciprocity, rotations, and walks.
+#include "volume/harmonics/harmonic_run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/statistics/statistics.h"
+#include "tests/volume/solver/deterministic_stacks.h"
+#include "volume/harmonics/harmonic_solution.h"
+#include "volume/run/simulation.h"
+#include "volume/solver/deterministic_run.h"
+
+namespace lamella {
+namespace {
+
+std::string leaning(const std::string& medium, double x, double y, double z) {
+  return fmt::format("{}\naxis = [{}, {}, {}]", medium, x, y, z);
+}
+
+const auto kNeverStopped = [] { return false; };
+
+// One direction at one resolution.
+struct Solved {
+  Stack stack;
+  HarmonicTransport transport;
+  HarmonicSolution solution;
+
+  Solved(const std::string& toml, Direction wi, int degree)
+      : stack(stack_of(toml)),
+        transport(stack, 0, {.degree = degree, .depth_nodes = 8, .finest = 1e-5}),
+        solution(transport, wi, kNeverStopped) {}
+  [[nodiscard]] double all(Direction wo) const {
+    const auto f = solution.f(wo);
+    return f[0] + f[1] + f[2];
+  }
+};
+
+// Both methods solve what is symmetric; one-sided flakes, a ground, light from below and a half
+// space are among it. The degrees leave less than the tolerance.
+TEST(HarmonicSolution, IsThatOfTheSymmetricSolver) {
+  struct Case {
+    std::string toml;
+    int degree;
+    double tolerance;
+  };
+  for (const Case& c :
+       {Case{layer(henyey_greenstein(0.5), 0.9, 1), 24, 1e-7},
+        Case{layer(sggx(0.5, "lambert"), 1, 1) + layer(kSphere, 0.8, 0.5), 24, 1e-7},
+        Case{layer(vmf(0.6, "lambert"), 1, 1) + lambert_ground(0.5), 24, 1e-7},
+        Case{layer(sggx(0.6, "mirror"), 0.9, 0.7), 26, 3e-4},
+        Case{layer(kIsotropic, 0.8, kInfinity), 16, 1e-7},
+        Case{layer(kSphere, 1, kInfinity), 20, 1e-6}}) {
+    const Stack stack = stack_of(c.toml);
+    const DeterministicSolution exact = solve_deterministic(stack, {.tolerance = 1e-7});
+    for (const double mu : {0.7, 0.15, -0.5}) {
+      if (mu < 0 && !stack.is_open_below()) continue;
+      const Direction wi = direction_from_mu_phi(mu, 0.4);
+      const Solved solved(c.toml, wi, c.degree);
+      const HarmonicEnergies& e = solved.solution.energies();
+      const double list[] = {mu};
+      const DeterministicEnergies expected = exact.energies(list).front();
+      const double bound = 2e-8 + 0.01 * c.tolerance;
+      for (int order = 0; order < 4; ++order)
+        EXPECT_NEAR((mu > 0 ? e.up : e.down)[order], expected.reflected[order].r, bound)
+            << c.toml << " mu " << mu << " order " << order + 1;
+      EXPECT_NEAR(e.absorbed, expected.absorbed.r, 4 * bound) << c.toml << " mu " << mu;
+      EXPECT_NEAR(e.sum(), 1, 4 * bound) << c.toml << " mu " << mu;
+      for (const Direction wo : {direction_from_mu_phi(0.6, 2), direction_from_mu_phi(0.3, 5)}) {
+        const DeterministicValue f = exact.f(wi, wo);
+        const auto found = solved.solution.f(wo);
+        for (int k = 0; k < kHarmonicOrders; ++k)
+          EXPECT_NEAR(found[k], f.order[k + 1].r, c.tolerance * f.order[4].r + 2 * f.error.r)
+              << c.toml << " mu " << mu << " order " << k + 2;
+      }
+    }
+  }
+}
+
+TEST(HarmonicSolution, KeepsAllLightWhereNothingAbsorbs) {
+  for (const std::string& toml :
+       {layer(leaning(sggx(0.5, "mirror"), 1, 0, 0.5), 1, 1),
+        layer(leaning(sggx(0.6, "mirror") + "\nshape = \"fiber\"", 1, 1, 0), 1, 4) +
+            layer(leaning(vmf(0.7, "lambert"), 0.3, 0, 1), 1, 0.5)}) {
+    for (const double mu : {0.9, 0.2, -0.6}) {
+      const Solved solved(toml, direction_from_mu_phi(mu, 1), 26);
+      EXPECT_NEAR(solved.solution.energies().sum(), 1, 1e-8) << toml << " mu " << mu;
+    }
+  }
+}
+
+TEST(HarmonicSolution, IsReciprocalWhereFlakesHaveTwoSides) {
+  const std::string toml =
+      layer(leaning(sggx(0.6, "lambert"), 1, 0.3, 0.5), 0.9, 1) +
+      layer(leaning(sggx(0.7, "lambert") + "\nshape = \"fiber\"", 0, 1, 0), 0.8, 2);
+  const Direction a = direction_from_mu_phi(0.8, 0.3), b = direction_from_mu_phi(0.35, 2),
+                  c = direction_from_mu_phi(-0.6, 4);
+  const Solved from_a(toml, a, 24), from_b(toml, b, 24), from_c(toml, c, 24);
+  EXPECT_NEAR(from_a.all(b) / from_b.all(a), 1, 1e-7);
+  EXPECT_NEAR(from_a.all(c) / from_c.all(a), 1, 1e-7);
+  EXPECT_NEAR(from_b.all(c) / from_c.all(b), 1, 1e-7);
+}
+
+TEST(HarmonicSolution, TurnsWithTheStackAndTheLight) {
+  const auto at = [](double turn) {
+    const auto axis = [&](double x, double y, double z) {
+      return std::array<double, 3>{std::cos(turn) * x - std::sin(turn) * y,
+                                   std::sin(turn) * x + std::cos(turn) * y, z};
+    };
+    const auto a = axis(1, 0.2, 0.3), b = axis(0, 1, 0);
+    return Solved(layer(leaning(sggx(0.5, "lambert"), a[0], a[1], a[2]), 0.9, 1) +
+                      layer(leaning(vmf(0.6, "lambert"), b[0], b[1], b[2]), 0.9, 1),
+                  direction_from_mu_phi(0.5, turn), 20);
+  };
+  const Solved still = at(0), turned = at(1.234);
+  EXPECT_NEAR(still.solution.energies().up[3], turned.solution.energies().up[3], 1e-9);
+  EXPECT_NEAR(
+      still.all(direction_from_mu_phi(0.4, 2)) / turned.all(direction_from_mu_phi(0.4, 2 + 1.234)),
+      1, 1e-7);
+}
+
+TEST(HarmonicSolution, OfRoundFlakesIsIsotropicWhateverTheirAxis) {
+  const Direction wi = direction_from_mu_phi(0.6, 0), wo = direction_from_mu_phi(0.4, 1);
+  const Solved isotropic(layer(kIsotropic, 0.9, 1), wi, 16);
+  for (const std::string shape : {"", "\nshape = \"fiber\""}) {
+    const Solved round(layer(leaning(sggx(1, "mirror") + shape, 0.3, 0.5, 0.2), 0.9, 1), wi, 16);
+    EXPECT_NEAR(round.all(wo) / isotropic.all(wo), 1, 1e-9);
+  }
+}
+
+// Lobes by cells add up to the energies, which are integrals of their own; hard angles are finite.
+TEST(HarmonicRun, CellsAddUpToTheEnergiesWithinTheirBounds) {
+  const Stack stack =
+      stack_of(layer(leaning(sggx(0.5, "mirror"), 0.5, 0, 1) + "\nf0 = [0.9, 0.5, 0.5]", 0.9, 1) +
+               layer(leaning(vmf(0.6, "lambert"), 0, 0.5, 1), 0.7, 0.5));
+  const Plan plan = make_plan(stack);
+  const std::vector<Direction> incident{direction_from_degrees(45, 20),
+                                        direction_from_degrees(89.99, 0), Direction{1, 0, 0},
+                                        direction_from_degrees(130, 250)};
+  const std::vector<RunResult> runs =
+      harmonic_runs(stack, plan, incident, CellGrid{8, 16}, {.tolerance = 5e-3});
+  ASSERT_EQ(runs.size(), incident.size());
+  for (const RunResult& run : runs) {
+    EXPECT_TRUE(run.accuracy->reached) << run.accuracy->error;
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(ledger_sum(run, c), 1, 5e-5);
+      for (const SideResult* side : {&run.reflected, &run.transmitted})
+        for (int lobe = 0; lobe <= kTallyOrders; ++lobe) {
+          const int cells = run.grid.cells();
+          double sum = 0, bound = 1e-6;
+          for (int k = 0; k < cells; ++k) {
+            EXPECT_TRUE(std::isfinite(side->lobes[lobe].value[c * cells + k]));
+            sum += run.grid.projected_solid_angle() * side->lobes[lobe].value[c * cells + k];
+            bound +=
+                run.grid.projected_solid_angle() * side->lobes[lobe].standard_error[c * cells + k];
+          }
+          const Estimate& energy = lobe == kTallyOrders ? side->total[c] : side->orders[lobe][c];
+          EXPECT_NEAR(sum, energy.value, bound + energy.standard_error) << lobe;
+        }
+    }
+  }
+}
+
+TEST(HarmonicRun, SaysWhatItLeavesToWalks) {
+  const auto reason = [](const std::string& toml) {
+    return why_not_harmonic(stack_of(toml)).value_or("none");
+  };
+  EXPECT_EQ(reason(layer(leaning(sggx(0.5, "mirror"), 1, 0, 0), 1, 1)), "none");
+  EXPECT_NE(reason(layer(leaning(vmf(0.5, "lambert"), 1, 0, 1), 1, kInfinity)).find("half space"),
+            std::string::npos);
+  EXPECT_NE(reason("[[layer]]\ninterface = \"smooth\"\nior = 1.5\n" +
+                   layer(leaning(sggx(0.5, "mirror"), 1, 0, 0), 1, 1))
+                .find("interfaces"),
+            std::string::npos);
+  EXPECT_NE(
+      reason(layer("medium = \"sggx\"\nmatrix = [0.3, 0.5, 1, 0, 0, 0.1]", 1, 1)).find("axis"),
+      std::string::npos);
+}
+
+// Random stacks of every medium against walks: energies and cells, within the bounds of both.
+TEST(HarmonicRun, AgreesWithWalksOnRandomStacks) {
+  constexpr int kStacks = 30;
+  const double limit = testing::normal_quantile(testing::test_level() / 40);
+  for (int n = 0; n < kStacks; ++n) {
+    RandomStream random(7, n, StreamPurpose::test);
+    const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
+    std::string toml;
+    const int layers = random.uniform() < 0.5 ? 1 : 2;
+    for (int k = 0; k < layers; ++k) {
+      const double roughness = between(0.45, 1);
+      std::string medium;
+      switch (k == 0 ? n % 5 : static_cast<int>(between(0, 6.99))) {
+        case 0:
+          medium = sggx(roughness, "mirror");
+          break;
+        case 1:
+          medium = sggx(roughness, "mirror") + "\nshape = \"fiber\"";
+          break;
+        case 2:
+          medium = sggx(roughness, "lambert");
+          break;
+        case 3:
+          medium = vmf(roughness, "lambert");
+          break;
+        case 4:
+          medium = vmf(roughness, "mirror");
+          break;
+        case 5:
+          medium = henyey_greenstein(0.5);
+          break;
+        default:
+          medium = kSphere;
+          break;
+      }
+      if (medium.find("flake") != std::string::npos)
+        medium = leaning(medium, between(-1, 1), between(-1, 1), between(-1, 1));
+      toml += layer(medium, random.uniform() < 0.3 ? 1 : between(0.3, 1), between(0.2, 3));
+    }
+    const bool open = random.uniform() < 0.6;
+    if (!open) toml += lambert_ground(between(0, 1));
+    const Stack stack = stack_of(toml);
+    ASSERT_FALSE(why_not_harmonic(stack)) << toml;
+    const double mu = between(0.05, 1) * (open && random.uniform() < 0.4 ? -1 : 1);
+    const Direction wi[] = {direction_from_mu_phi(mu, between(0, 6.28))};
+    const Plan plan = make_plan(stack);
+    const CellGrid grid{3, 6};
+    const RunResult solved = harmonic_runs(stack, plan, wi, grid, {.tolerance = 1e-2})[0];
+    Simulation walks(stack, plan, wi[0], Estimator::analog, grid, 5);
+    walks.advance(400000);
+    const RunResult found = reduce(walks);
+    const auto agree = [&](const Estimate& a, const Estimate& b, const std::string& what) {
+      EXPECT_LT(std::abs(a.value - b.value), limit * b.standard_error + a.standard_error + 1e-6)
+          << what << ' ' << a.value << ' ' << b.value << " mu " << mu << '\n'
+          << toml;
+    };
+    agree(solved.absorbed[0], found.absorbed[0], "absorbed");
+    agree(solved.uncollided[0], found.uncollided[0], "uncollided");
+    for (const auto side : {&RunResult::reflected, &RunResult::transmitted}) {
+      const SideResult &a = solved.*side, &b = found.*side;
+      agree(a.total[0], b.total[0], "total");
+      for (int o = 0; o < kTallyOrders; ++o) agree(a.orders[o][0], b.orders[o][0], "order");
+      const LobeEstimate &x = a.lobes[kTallyOrders], &y = b.lobes[kTallyOrders];
+      ASSERT_EQ(x.value.size(), y.value.size());
+      for (std::size_t k = 0; k < x.value.size(); ++k)
+        if (y.standard_error[k] > 0)
+          agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]}, "cell");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lamella

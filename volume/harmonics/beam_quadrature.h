@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "phase/math/direction.h"
+
+namespace lamella {
+
+/// Quadrature over the sphere about the direction straight on of a beam, where phase functions of
+/// mirror flakes jump and others peak: in polar coordinates about it, each ray of constant azimuth
+/// cut where it crosses the horizon, with points that crowd at the cut like t^2 and at the beam.
+struct BeamQuadrature {
+  std::vector<Direction> directions;
+  std::vector<double> weights;  ///< [sr]
+
+  /// along: unit, where the light goes. points: of each part of a ray; rays: their number.
+  BeamQuadrature(Direction along, int points, int rays);
+};
+
+}  // namespace lamella

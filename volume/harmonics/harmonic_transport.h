@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "phase/stack/stack.h"
+#include "volume/harmonics/harmonic_kernel.h"
+#include "volume/harmonics/layered_streams.h"
+#include "volume/harmonics/sphere_grid.h"
+
+namespace lamella {
+
+/// How finely directions and depths are resolved.
+struct HarmonicResolution {
+  int degree = 16;          ///< of the source function's spherical harmonics
+  int depth_nodes = 7;      ///< per panel
+  double finest = 1e-4;     ///< optical depth of the panels next to boundaries
+  double residual = 1e-10;  ///< of the sum over all orders
+};
+
+/// A source function: coefficients by harmonic (rows) and node in depth (columns), and the radiance
+/// that a Lambertian substrate sends up.
+struct HarmonicSource {
+  Eigen::MatrixXd coefficients;
+  double ground = 0;
+};
+
+/// What light does between two events, for the light of one source.
+struct HarmonicLight {
+  HarmonicSource next;                    ///< what it becomes a source of
+  double reflected = 0, transmitted = 0;  ///< flux that leaves through the top, the bottom
+  double absorbed = 0;                    ///< in the layers and the substrate
+};
+
+/// Light in a stack of homogeneous layers without interfaces, of any axes, in one colour channel.
+class HarmonicTransport {
+ public:
+  HarmonicTransport(const Stack& stack, int channel, const HarmonicResolution& resolution);
+
+  /// One order from the one before it.
+  [[nodiscard]] HarmonicLight follow(const HarmonicSource& source) const;
+  /// Order 1 of a beam of unit irradiance from w_i, and what it becomes a source of; uncollided:
+  /// the share that passes without an event.
+  struct First {
+    HarmonicLight light;
+    double uncollided = 0;
+    double absorbed = 0;  ///< by the first event
+  };
+  [[nodiscard]] First first(Direction wi) const;
+  /// The sum of a source and all that follows from it.
+  [[nodiscard]] HarmonicSource sum(const HarmonicSource& source,
+                                   const std::function<bool()>& stopped) const;
+  /// Radiance that leaves along w_o by each of some sources: their values along that direction at
+  /// the nodes, and what their ground sends up.
+  void leaving(Direction wo, std::span<const double* const> values, std::span<const double> ground,
+               double* radiance) const;
+
+  [[nodiscard]] const HarmonicBasis& basis() const { return basis_; }
+  [[nodiscard]] int nodes() const { return streams_.size(); }
+  [[nodiscard]] int last_iterations() const { return iterations_; }
+
+ private:
+  // Whether light that arrives at the bottom meets a surface there.
+  [[nodiscard]] bool is_closed() const { return stack_.substrate || streams_.is_cut(); }
+  [[nodiscard]] HarmonicSource scattered(const Eigen::MatrixXd& radiance, double arriving) const;
+
+  const Stack& stack_;
+  int channel_;
+  HarmonicResolution resolution_;
+  HarmonicBasis basis_;
+  LayeredStreams streams_;
+  SphereGrid grid_;
+  std::vector<HarmonicKernel> kernels_;  // by part
+  std::vector<double> blocks_;           // by direction of the grid
+  double ground_albedo_ = 0;
+  mutable int iterations_ = 0;
+};
+
+}  // namespace lamella

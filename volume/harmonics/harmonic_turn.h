@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "volume/harmonics/harmonic_basis.h"
+
+namespace lamella {
+
+/// Harmonics' coefficients of functions on the sphere, between the slab's frame and one whose z
+/// axis is another direction. Columns are functions, rows as HarmonicBasis lists them.
+class HarmonicTurn {
+ public:
+  HarmonicTurn(const HarmonicBasis& basis, Direction axis);
+
+  [[nodiscard]] Eigen::MatrixXd to_axis(const Eigen::MatrixXd& coefficients) const;
+  [[nodiscard]] Eigen::MatrixXd from_axis(const Eigen::MatrixXd& coefficients) const;
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd about_z(const Eigen::MatrixXd& coefficients, double angle) const;
+  [[nodiscard]] Eigen::MatrixXd about_y(const Eigen::MatrixXd& coefficients, bool back) const;
+
+  HarmonicBasis basis_;
+  double azimuth_;
+  // By degree: of the cosines (rows and columns m = 0 to l) and of the sines (1 to l).
+  std::vector<Eigen::MatrixXd> cosines_, sines_;
+};
+
+}  // namespace lamella

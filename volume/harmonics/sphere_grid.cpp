@@ -1,0 +1,104 @@
+#include "volume/harmonics/sphere_grid.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "volume/quadrature/quadrature.h"
+
+namespace lamella {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+SphereGrid::SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi)
+    : basis_(basis), mu_(std::move(mu)), phi_(std::move(phi)) {
+  const int degree = basis.degree();
+  VectorXd values(basis.size());
+  for (int m = 0; m <= degree; ++m)
+    legendre_.emplace_back(static_cast<Index>(mu_.size()), basis.count(m));
+  for (std::size_t k = 0; k < mu_.size(); ++k) {
+    basis.legendre(mu_[k], values);
+    for (int m = 0; m <= degree; ++m)
+      legendre_[m].row(static_cast<Index>(k)) =
+          values.segment(basis.first(m, false), basis.count(m)).transpose();
+  }
+  waves_.resize(static_cast<Index>(phi_.size()), 2 * degree + 1);
+  for (std::size_t p = 0; p < phi_.size(); ++p) {
+    const Index row = static_cast<Index>(p);
+    waves_(row, 0) = 1;
+    for (int m = 1; m <= degree; ++m) {
+      waves_(row, 2 * m - 1) = std::sqrt(2.0) * std::cos(m * phi_[p]);
+      waves_(row, 2 * m) = std::sqrt(2.0) * std::sin(m * phi_[p]);
+    }
+  }
+}
+
+SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths) {
+  const Quadrature& rule = cached_gauss_legendre(mu_per_hemisphere);
+  std::vector<double> mu, phi, weight;
+  const double step = 2 * kPi / azimuths;
+  for (const double sign : {1.0, -1.0})
+    for (Index k = 0; k < rule.points.size(); ++k) {
+      const double t = rule.points[k];
+      mu.push_back(sign * t * t);
+      weight.push_back(step * rule.weights[k] * 2 * t);
+    }
+  // Half a step off the axes, where planes of symmetry lie.
+  for (int p = 0; p < azimuths; ++p) phi.push_back(step * (p + 0.5));
+  SphereGrid grid(basis, std::move(mu), std::move(phi));
+  grid.weight_ = std::move(weight);
+  return grid;
+}
+
+Direction SphereGrid::direction(int k) const {
+  return direction_from_mu_phi(mu_[k / azimuths()], phi_[k % azimuths()]);
+}
+
+MatrixXd SphereGrid::values(const MatrixXd& coefficients) const {
+  const Index functions = coefficients.cols(), cosines = static_cast<Index>(mu_.size());
+  const int degree = basis_.degree();
+  // Functions down, then by wave the cosines.
+  MatrixXd amplitudes(functions, cosines * (2 * degree + 1));
+  tbb::parallel_for(0, degree + 1, [&](int m) {
+    for (const bool sine : {false, true}) {
+      if (sine && m == 0) continue;
+      const int wave = m == 0 ? 0 : 2 * m - (sine ? 0 : 1);
+      amplitudes.middleCols(wave * cosines, cosines).noalias() =
+          coefficients.middleRows(basis_.first(m, sine), basis_.count(m)).transpose() *
+          legendre_[m].transpose();
+    }
+  });
+  MatrixXd result(functions, size());
+  tbb::parallel_for(Index{0}, cosines, [&](Index k) {
+    MatrixXd of_mu(functions, 2 * degree + 1);
+    for (int wave = 0; wave <= 2 * degree; ++wave)
+      of_mu.col(wave) = amplitudes.col(wave * cosines + k);
+    result.middleCols(k * azimuths(), azimuths()).noalias() = of_mu * waves_.transpose();
+  });
+  return result;
+}
+
+MatrixXd SphereGrid::coefficients(const MatrixXd& values) const {
+  const Index functions = values.rows(), cosines = static_cast<Index>(mu_.size());
+  const int degree = basis_.degree();
+  MatrixXd amplitudes(functions, cosines * (2 * degree + 1));
+  tbb::parallel_for(Index{0}, cosines, [&](Index k) {
+    const MatrixXd of_mu = weight_[k] * values.middleCols(k * azimuths(), azimuths()) * waves_;
+    for (int wave = 0; wave <= 2 * degree; ++wave)
+      amplitudes.col(wave * cosines + k) = of_mu.col(wave);
+  });
+  MatrixXd result(basis_.size(), functions);
+  tbb::parallel_for(0, degree + 1, [&](int m) {
+    for (const bool sine : {false, true}) {
+      if (sine && m == 0) continue;
+      const int wave = m == 0 ? 0 : 2 * m - (sine ? 0 : 1);
+      result.middleRows(basis_.first(m, sine), basis_.count(m)).noalias() =
+          legendre_[m].transpose() * amplitudes.middleCols(wave * cosines, cosines).transpose();
+    }
+  });
+  return result;
+}
+
+}  // namespace lamella

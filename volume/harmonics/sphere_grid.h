@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "volume/harmonics/harmonic_basis.h"
+
+namespace lamella {
+
+/// Directions that are all pairs of some cosines and some azimuths, direction p of cosine k at
+/// k * azimuths + p, between which and spherical harmonics functions are carried cosine by cosine.
+class SphereGrid {
+ public:
+  SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi);
+  /// Quadrature over the sphere: mu = t^2 on each hemisphere with Gauss-Legendre in t, so that
+  /// functions with a jump at mu = 0 are integrated, too; even steps of phi. Upwards first.
+  static SphereGrid quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths);
+
+  [[nodiscard]] int size() const { return static_cast<int>(mu_.size() * phi_.size()); }
+  [[nodiscard]] int azimuths() const { return static_cast<int>(phi_.size()); }
+  [[nodiscard]] double mu(int k) const { return mu_[k / azimuths()]; }
+  [[nodiscard]] Direction direction(int k) const;
+  [[nodiscard]] double weight(int k) const { return weight_[k / azimuths()]; }  ///< [sr]
+
+  /// From coefficients, a column per function, to values, a row per function.
+  [[nodiscard]] Eigen::MatrixXd values(const Eigen::MatrixXd& coefficients) const;
+  /// And from values, a row per function, to coefficients, by quadrature.
+  [[nodiscard]] Eigen::MatrixXd coefficients(const Eigen::MatrixXd& values) const;
+
+ private:
+  HarmonicBasis basis_;
+  std::vector<double> mu_, phi_, weight_;
+  std::vector<Eigen::MatrixXd> legendre_;  // by m: rows mu, columns l
+  Eigen::MatrixXd waves_;                  // rows phi; columns 1, then cosine and sine of each m
+};
+
+}  // namespace lamella
