@@ -34,7 +34,7 @@ bool is_name(const char* text) {
 
 std::string found(const char* text) { return text ? fmt::format("\"{}\"", text) : "nothing"; }
 
-// What an entry says of itself, checked before any of it is used.
+// The entry of a shared object, checked before any member is used.
 void check(const std::string& path, const Entry& e) {
   const auto refuse = [&](const std::string& what, const std::string& was, const char* allowed) {
     throw ModelPluginError(fmt::format("{}: {}: found {}; allowed: {}", path, what, was, allowed));

@@ -4,7 +4,7 @@
 
 namespace lamella {
 
-/// A shared object that cannot be taken as a model: file, what was found, what is allowed.
+/// A shared object that is refused as a model. what() names file, value found and values allowed.
 struct ModelPluginError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -11,7 +11,7 @@ namespace {
 // Of the rules' differences: the errors are smaller by 100 and more.
 constexpr double kReflectedTolerance = 1e-8, kTransmittedTolerance = 1e-6, kMeanTolerance = 1e-6;
 
-// Less is no reflection: of n = 1.0001 at normal incidence 1e-7 of it.
+// A smaller reflectance counts as none: this is 1e-7 of that of n = 1.0001 at normal incidence.
 constexpr double kLeastReflected = 2.5e-16;
 
 // Of tables: albedos go like mu log mu near 0, and like mu^b with the masking's Beta function; near

@@ -8,15 +8,15 @@
 
 namespace lamella {
 
-/// A dielectric interface with air above it and, below, a coat of index n that absorbs: what
-/// layering formulas ask of it, as functions of cosines in air. Smooth: in closed form; rough:
-/// single scattering, tabulated when the coat is made: E and <E> within 1e-6 of their value
-/// (2e-5 next to index 1), T and the internal mean within 2e-6 (T of
-/// mu below 1e-6 within 1e-3: the Beta masking goes to its limit like small powers of mu).
+/// A dielectric interface with air above it and, below, a coat of index n that absorbs. The members
+/// are the quantities of layering formulas, as functions of cosines in air. Smooth: in closed form;
+/// rough: single scattering, tabulated when the coat is made: E and <E> within 1e-6 of their value
+/// (2e-5 next to index 1), T and the internal mean within 2e-6 (T of mu below 1e-6 within 1e-3: the
+/// Beta masking goes to its limit like small powers of mu).
 class Coat {
  public:
-  /// interface: index above 1, below n in [1, 4]; the same roughness along x and y. color: what two
-  /// passes along the normal leave of the light. through: whether transmitted() and
+  /// interface: index above 1, below n in [1, 4]; the same roughness along x and y. color: the
+  /// share of the light that two passes along the normal leave. through: whether transmitted() and
   /// internal_mean() will be asked for. An interface of n = 1 does nothing, whatever its roughness.
   Coat(const Dielectric& interface, Rgb color, bool through);
 
@@ -29,14 +29,14 @@ class Coat {
   [[nodiscard]] double reflected(double mu) const;
   /// Its mean over the hemisphere, 2 integral of E mu dmu.
   [[nodiscard]] double reflected_mean() const { return reflected_mean_; }
-  /// That of a smooth interface: Fresnel's reflectance, and its mean.
+  /// Fresnel's reflectance of a smooth interface, and its mean.
   [[nodiscard]] double fresnel(double mu) const;
   [[nodiscard]] double fresnel_mean() const { return fresnel_mean_; }
 
   /// The cosine in the coat of a direction in air, by Snell's law at the smooth interface.
   [[nodiscard]] double refracted(double mu) const;
-  /// What absorption leaves of light on its way in and out: color^((1/mu_i' + 1/mu_o') / 2), mu'
-  /// the refracted cosines.
+  /// The share of light that absorption leaves on the way in and out: color^((1/mu_i' + 1/mu_o') /
+  /// 2), mu' the refracted cosines.
   [[nodiscard]] Rgb absorption(double mu_i, double mu_o) const;
 
   /// T(mu): the share of light from outside that arrives at the bottom of the coat.

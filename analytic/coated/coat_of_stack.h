@@ -8,13 +8,13 @@
 
 namespace lamella {
 
-/// A stack that is a coat over something: what `coated` and `openpbr_diffuse` take from it.
+/// A stack that is a coat over a base, in the parameters of `coated` and `openpbr_diffuse`.
 struct CoatOfStack {
   FacetShape shape = FacetShape::smooth;
   double alpha = 0, ior = 1;
-  Rgb color{1};           ///< what two passes along the normal leave: absorbing layers
+  Rgb color{1};           ///< share that two passes along the normal leave: absorbing layers
   std::string base;       ///< a closed form
-  Parameters parameters;  ///< its own, as far as the stack tells them
+  Parameters parameters;  ///< its own, as far as the stack has them
 };
 
 /// One interface, isotropic, on top; then layers that only absorb, if any; then a substrate that is

@@ -22,12 +22,13 @@ enum class Layering {
   darkened,
   /// T(mu_i) T(mu_o) / (n^2 (1 - rho K)), f_b between the directions in the coat: exact over
   /// Lambert for a smooth interface, with an absorbing coat too (Saunderson 1942), and for a rough
-  /// one whose rays scatter once. T: what arrives at the base; K: what comes back to it of
-  /// Lambert's
-  /// light. Other bases: the bounces between are those of Lambert's law.
+  /// one whose rays scatter once. T: the share of light that arrives at the base; K: the share of
+  /// Lambertian light from the base that comes back to it. Other bases: the bounces between are
+  /// those of Lambert's law.
   saunderson,
   /// A (1 - E(mu_i)) (1 - E(mu_o)): Wolff 1994, "Diffuse-reflectance model for smooth dielectric
-  /// surfaces"; the light that comes back within is part of the base's albedo, as it is there
+  /// surfaces"; light that the interface reflects back to the base is taken as part of the base's
+  /// albedo, as in that paper
   wolff
 };
 
@@ -36,7 +37,7 @@ enum class Layering {
 /// specular(w_i)).
 struct CoatedSetting {
   Dielectric interface;  ///< air above; below: the coat's index
-  Rgb color{1};          ///< what two passes through the coat along the normal leave
+  Rgb color{1};          ///< share that two passes through the coat along the normal leave
   Rgb tint{1};           ///< factor of the coat's lobe
   Layering layering = Layering::albedo_scaling;
   double base_roughness = 1;  ///< r_b

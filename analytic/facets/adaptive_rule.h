@@ -11,7 +11,7 @@
 
 namespace lamella {
 
-/// What an integral's error is measured by: the largest channel.
+/// The size of an integral's error: the largest channel.
 [[nodiscard]] inline double size_of(double x) { return std::abs(x); }
 [[nodiscard]] inline double size_of(Rgb c) {
   return std::max({std::abs(c.r), std::abs(c.g), std::abs(c.b)});
@@ -20,8 +20,8 @@ namespace lamella {
 /// The integral of f, a double or an Rgb, over [edges.front(), edges.back()], panels beginning at
 /// the edges (at most 16): Gauss and Kronrod's rules of 7 and 15 points, the panel whose rules
 /// differ most halved until the differences add up to `tolerance` of the integral, or to `least`.
-/// It ends at 64 panels. Where f is smooth the error is far below the tolerance, which is that of
-/// the rule of 7 points.
+/// It ends at 64 panels. Where f is smooth the error is far below the tolerance, as the differences
+/// are those of the rule of 7 points.
 template <class Value, class F>
 [[nodiscard]] Value integrate_adaptively(const F& f, std::span<const double> edges,
                                          double tolerance, double least = 1e-300) {

@@ -9,8 +9,8 @@
 
 namespace lamella {
 
-/// The smallest alpha that closed forms take; what is smoother counts as smooth where that is
-/// offered.
+/// The smallest alpha that closed forms take; smaller ones count as smooth in models that have a
+/// smooth case.
 inline constexpr double kLeastRoughness = 1e-4;
 
 /// Which of the facets that a direction sees an integral runs over.
@@ -27,14 +27,14 @@ enum class SeenFacets {
 /// The average of g over the facets that light from w, above the surface, meets:
 ///   integral of D(m) <w, m> / area(w) g(w, m, w . m) dm,
 /// with values of Value, a double or an Rgb. Facets that are the same all round are turned until w
-/// has the azimuth 0: g is given the w that it is about. Relative tolerance of the nested rules;
-/// slopes of GGX are cut at e^25 alpha. kink: a value of w . m where g is not smooth, the critical
-/// angle's, or 0. least: an absolute error that does.
+/// has the azimuth 0: g receives the turned w. Relative tolerance of the nested rules; slopes of
+/// GGX are cut at e^25 alpha. kink: a value of w . m where g is not smooth, the critical angle's,
+/// or 0. least: an absolute error that suffices.
 ///
 /// In slopes alpha t along an azimuth phi the visible normals, and those that mirror w to above,
 /// are intervals from t = 0, so that neither bound lies inside a panel. t = sinh(v) for GGX (its
-/// density is 2 sinh(v) / cosh(v)^3 dv): all that happens has a scale of 1 in v, however small
-/// alpha is.
+/// density is 2 sinh(v) / cosh(v)^3 dv): the integrand has a scale of 1 in v, however small alpha
+/// is.
 template <class Value, class G>
 [[nodiscard]] Value average_over_facets(const Facets& facets, Direction w, SeenFacets which,
                                         const G& g, double tolerance = 1e-8, double kink = 0,
@@ -98,8 +98,8 @@ template <class Value, class G>
 }
 
 /// The share of light from w, above a rough surface, that single scattering reflects to above.
-/// weight(w . m, w_o), a double or an Rgb: the facet's reflectance, times whatever the rays along
-/// w_o are to count. kink, least: see above.
+/// weight(w . m, w_o), a double or an Rgb: the facet's reflectance, times the weight of rays along
+/// w_o. kink, least: see above.
 template <class Value, class Weight>
 [[nodiscard]] Value reflected_share(const Facets& facets, Masking masking, Direction w,
                                     const Weight& weight, double tolerance = 1e-8, double kink = 0,
@@ -115,7 +115,7 @@ template <class Value, class Weight>
 }
 
 /// The share of light from w, above a rough dielectric of relative index `ratio` (below over
-/// above), that single scattering refracts to below. weight(cosine): what a ray below counts, in
+/// above), that single scattering refracts to below. weight(cosine): the weight of a ray below, in
 /// [0, 1]. The tolerance is absolute.
 template <class Weight>
 [[nodiscard]] double refracted_share(const Facets& facets, Masking masking, double ratio,
@@ -133,9 +133,9 @@ template <class Weight>
       tolerance, critical_cosine(ratio), tolerance);
 }
 
-/// What single scattering loses of light from w, above a rough surface: the facets' own shadow and
-/// the rays that go to the wrong side. ratio: of a dielectric, or 0 for white mirrors. Rounding of
-/// the single facets' losses leaves an absolute error of 1e-13.
+/// The share of light from w, above a rough surface, that single scattering loses: the facets' own
+/// shadow and the rays that go to the wrong side. ratio: of a dielectric, or 0 for white mirrors.
+/// Rounding of the single facets' losses leaves an absolute error of 1e-13.
 [[nodiscard]] double lost_share(const Facets& facets, Masking masking, double ratio, Direction w,
                                 double tolerance = 1e-8);
 

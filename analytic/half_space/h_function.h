@@ -54,7 +54,8 @@ class HFunction {
 /// Relative error below 0.041.
 /// Hapke 1981, "Bidirectional reflectance spectroscopy: 1. Theory".
 [[nodiscard]] double isotropic_h_hapke_1981(double mu, double albedo);
-/// The same less 1, without the cancellation at small mu, over any number type; root: sqrt(1 - c).
+/// This approximation less 1, without the cancellation at small mu, over any number type; root:
+/// sqrt(1 - c).
 template <class Real>
 [[nodiscard]] Real hapke_1981_rise(Real mu, double root) {
   return Real(2 * (1 - root)) * mu / multiply_add(Real(2 * root), mu, Real(1));

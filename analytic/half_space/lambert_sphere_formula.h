@@ -8,8 +8,8 @@
 
 namespace lamella {
 
-// The formulas of analytic/half_space/lambert_sphere_models.h over any number type: what they mean,
-// their sources and errors stand there. Each is albedo * single + multiple per channel.
+// The formulas of analytic/half_space/lambert_sphere_models.h over any number type; that header has
+// their meaning, sources and errors. Each is albedo * single + multiple per channel.
 
 /// Exact single scattering for c = 1 (eq. 17).
 template <class Real>

@@ -11,8 +11,8 @@ namespace lamella {
 /// Horak and Chandrasekhar 1961, as in d'Eon 2021, section 3, with exact H functions and constants.
 [[nodiscard]] ModelInfo lambert_sphere_three_term_model();
 
-/// The same with the three-term order 1 left in: off by 13 % at grazing for
-/// c = 0.9, and by up to 45 % in the dark forward directions of c = 0.3.
+/// The exact three-term solution with its own order 1: off by 13 % at grazing for c = 0.9, and by
+/// up to 45 % in the dark forward directions of c = 0.3.
 [[nodiscard]] ModelInfo lambert_sphere_three_term_pure_model();
 
 }  // namespace lamella

@@ -64,7 +64,7 @@ class ThreeTermHalfSpace {
 [[nodiscard]] double three_term_single(const ThreeTermPhase& w, int m, double mu_i, double mu_o);
 [[nodiscard]] double three_term_single(const ThreeTermPhase& w, const ReflectionAngles& a);
 
-/// K_m(0) = product over l >= m of (1 - w_l / (2l + 1)): what HFunction wants of mode m.
+/// K_m(0) = product over l >= m of (1 - w_l / (2l + 1)), the k0 of mode m's HFunction.
 [[nodiscard]] double three_term_k0(const ThreeTermPhase& w, int m);
 /// The coefficients of mode m's characteristic function Psi_m in powers of mu^2.
 [[nodiscard]] std::array<double, 3> three_term_characteristic(const ThreeTermPhase& w, int m);

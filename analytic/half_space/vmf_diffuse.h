@@ -17,7 +17,7 @@ namespace lamella {
 /// fm: orders 1, 2, 3 and 4+. d'Eon and Weidlich 2024, "VMF Diffuse: A unified rough diffuse BRDF".
 [[nodiscard]] ModelInfo vmf_diffuse_model();
 
-/// The same with the formulas as printed, but for the sign in eq. 4, without which sigma is
+/// VMF Diffuse with the formulas as printed, but for the sign in eq. 4, without which sigma is
 /// unbounded: no factor 2, no clamp, no special case at r = 0.
 [[nodiscard]] ModelInfo vmf_diffuse_printed_model();
 

@@ -6,8 +6,8 @@
 
 namespace lamella {
 
-// The formulas of analytic/half_space/vmf_diffuse.h over any number type: what they mean stands
-// there.
+// The formulas of analytic/half_space/vmf_diffuse.h over any number type; that header has their
+// meaning.
 
 /// Printed modes of f_k for unit albedo over the m-th power of both sines:
 /// f_k^(m) = [m] (sin_i sin_o)^m.

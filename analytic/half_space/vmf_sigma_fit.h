@@ -8,7 +8,8 @@ namespace lamella {
 // The fits of d'Eon and Weidlich 2024, "VMF Diffuse", to the projected area of one-sided von
 // Mises-Fisher flakes, sigma(u) = integral of D(m) <w, m> dm, u = w.n in [-1, 1], dimensionless.
 // alpha >= 0: see phase/medium/vmf.h, whose vmf_sigma is the exact value. Errors are absolute,
-// measured against that. What depends on alpha alone is computed once, u is of any number type.
+// measured against that. Terms that depend on alpha alone are computed once; u is of any number
+// type.
 
 /// Eq. 4 with the sign of its exponent corrected to exp(-u^2 / (alpha^2 (1 - u^2))). For alpha in
 /// [0, 0.25); error below 9.5e-4 from alpha = 0.02, at 0 exact. sigma(u) - sigma(-u) is exact up

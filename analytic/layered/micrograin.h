@@ -19,10 +19,9 @@ namespace lamella {
 /// Lambertian base: f_S = D G F / (4 mu_i mu_o) + albedo / pi T(mu_i, mu_o),
 ///   T = (1 - E_i) (1 - E_o) / (1 - <E>),
 /// E the specular part's directional albedo and <E> its average. The supplement that defines the
-/// paper's own T is not at hand; this one is what keeps the energy of white grains at 1 and is
-/// reciprocal (Kelemen and Szirmay-Kalos 2001; EON's eq. 17). Reciprocal if the bulk is. Lobes
-/// `grains` and `bulk`.
-/// Specular grains are sampled by their visible normals, or, with normals=all, by eq. 20.
+/// paper's own T is not at hand; this T keeps the energy of white grains at 1 and is reciprocal
+/// (Kelemen and Szirmay-Kalos 2001; EON's eq. 17). Reciprocal if the bulk is. Lobes `grains` and
+/// `bulk`. Specular grains are sampled by their visible normals, or, with normals=all, by eq. 20.
 /// `models`: those that may lie below, but for the ones that are built from a stack. The parameter
 /// `bulk` names one; it selects that one's own parameters.
 [[nodiscard]] ModelInfo micrograin_model(const std::vector<ModelInfo>& models);
@@ -75,7 +74,7 @@ enum class MicrograinShadowing {
 
 /// A normal with density D(m) <w, m> / projected area [1/sr]. w: unit, mu >= 0. A visible normal of
 /// the isolated ellipsoid (Heitz 2018, "Sampling the GGX distribution of visible normals") is kept
-/// with probability exp(-lambda sin^2 psi), what D has beyond GGX's.
+/// with probability exp(-lambda sin^2 psi), the factor of D beyond GGX.
 [[nodiscard]] Direction micrograin_visible_normal(Direction w, double tau0, double beta,
                                                   RandomStream& stream);
 

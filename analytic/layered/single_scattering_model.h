@@ -8,8 +8,8 @@ namespace lamella {
 /// The model `single_scattering`: lobes `layers` and `substrate`.
 [[nodiscard]] ModelInfo single_scattering_model();
 
-/// What the models that are single scattering share: evaluation, and the sampler that chooses a
-/// layer by the light it scatters and then its phase function (SpongeCake, section 4.6).
+/// The base of models that are single scattering: evaluation, and a sampler that chooses a layer by
+/// the light that it scatters and then samples its phase function (SpongeCake, section 4.6).
 class SingleScatteringModel final : public Model {
  public:
   explicit SingleScatteringModel(Stack stack) : Model(2), stack_(std::move(stack)) {}

@@ -7,7 +7,7 @@ namespace lamella {
 // The formulas that a batch of pairs is evaluated with on lanes of double
 // (analytic/model/batch_lanes.h). A formula is a struct of plain numbers with two members over
 // any number type:
-//   shared(Angles<Real>)        what the colour channels have in common,
+//   shared(Angles<Real>)        the terms that the colour channels have in common,
 //   channel(that, int c)        f [1/sr] of channel c.
 // `channels`: 1 (grey: the first is written three times) or 3. `pairs`: x, y, z of w_i and of w_o,
 // six numbers per pair; `values`: three per pair, 0 where a direction lies below. Relative

@@ -11,7 +11,7 @@ namespace lamella {
 enum class HemisphereSampler {
   mis,     ///< cltc or uniform, one of them drawn: one-sample multiple importance sampling
   cltc,    ///< clipped linearly transformed cosine: nothing below the surface
-  ltc,     ///< linearly transformed cosine: what falls below the surface is lost
+  ltc,     ///< linearly transformed cosine: samples below the surface are lost
   cosine,  ///< density cos / pi
   uniform  ///< density 1 / (2 pi)
 };

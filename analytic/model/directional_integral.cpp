@@ -19,13 +19,13 @@ using Clock = std::chrono::steady_clock;
 constexpr int kPoints = 15;
 // A line of neighbours whose sixth differences tell the noise, and the lines of a panel.
 constexpr int kLine = 12, kDifference = 6, kLines = 3;
-// Steps of such a line, in units of a panel: fine enough that a function which the panel's rule
-// resolves has no sixth difference, and, with the narrowest panel (radians), coarser than
+// Steps of a line of neighbours, in units of a panel: fine enough that a function which the panel's
+// rule resolves has no sixth difference, and, with the narrowest panel (radians), coarser than
 // neighbours in single precision.
 constexpr double kLineStep = 1.0 / 64;
 constexpr double kNarrowest = 1e-5;
-// A panel that holds a direction, or has a corner, at which the function is so many times the
-// largest at its nodes has missed a peak.
+// A panel has missed a peak if it holds a direction, or has a corner, at which the function is this
+// factor above the largest value at its nodes.
 constexpr double kMissedPeak = 10;
 // Share of the tolerance that a panel's error may be whatever its noise: next to a singular point
 // panels could be halved for ever without changing the sum.

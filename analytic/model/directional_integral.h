@@ -9,7 +9,7 @@
 
 namespace lamella {
 
-/// What ended an adaptive integral.
+/// The reason why an adaptive integral ended.
 enum class IntegralEnd {
   tolerance,  ///< the error that was asked for is reached
   noise,      ///< the values' own noise, such as rounding in single precision, hides the rest
@@ -20,15 +20,15 @@ enum class IntegralEnd {
 /// "tolerance", "noise", "limit", "time"
 [[nodiscard]] const char* to_text(IntegralEnd end);
 
-/// The same as a reason, for people.
+/// The end as a reason in words, for people.
 [[nodiscard]] const char* reason_of(IntegralEnd end);
 
 /// An integral over directions, per channel.
 struct DirectionalIntegral {
   Rgb value;
   /// Bound of the error: the differences between the rules of two orders, summed over the panels,
-  /// and four standard deviations of the values' measured noise as if all values erred alike (what
-  /// rounding does to a constant or a parameter, it does to all values alike).
+  /// and four standard deviations of the values' measured noise, as if all values had the same
+  /// error (rounding of a constant or a parameter does change all values in the same way).
   Rgb error;
   std::uint64_t evaluations = 0;
   IntegralEnd end = IntegralEnd::tolerance;
@@ -51,10 +51,10 @@ using DirectionalFunction =
 /// degrees from its azimuth, where models have their peaks and kinks.
 ///
 /// It ends for every g: each panel's noise is measured by sixth differences of neighbours (More and
-/// Wild 2011, "Estimating computational noise", eq. 2.2), and a panel whose error is what that
-/// noise makes of the rules' difference is not halved. A jump, or a feature that is narrower than
-/// the panels can be, ends at the limits. Throws std::domain_error, which names the direction, at a
-/// value that is not finite.
+/// Wild 2011, "Estimating computational noise", eq. 2.2), and a panel is not halved if this noise
+/// explains the difference of its rules. A jump, or a feature that is narrower than the panels can
+/// be, ends at the limits. Throws std::domain_error, which names the direction, at a value that is
+/// not finite.
 [[nodiscard]] DirectionalIntegral integrate_projected(const DirectionalFunction& g, Direction wi,
                                                       std::span<const double> sides,
                                                       const IntegralLimits& limits = {});

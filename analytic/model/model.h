@@ -65,7 +65,7 @@ class Model {
   /// values[k] = eval(pairs[k]), up to rounding. Override where a batch is cheaper than its pairs.
   /// The spans have the same length; isa is supported (scalar: double, one pair after the other).
   virtual void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const;
-  /// The same on the widest lanes (isa_from_text("auto"), asked once).
+  /// A batch on the widest lanes (isa_from_text("auto"), asked once).
   void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values) const;
 
   /// The model's own sampler: w_i given w_o from three uniforms in (0, 1), or nothing if no light
@@ -77,9 +77,9 @@ class Model {
   [[nodiscard]] virtual double pdf(Direction wi, Direction wo) const;
 
   /// Directional albedo: the share of light from w_i that leaves anywhere, the delta transmission
-  /// apart, and its error. Default: adaptive cubature of f |mu_o|, relative error 1e-9 or what the
-  /// noise of the model's values and the limits leave. Override where there is a closed form. w_i
-  /// above the surface or below; mu = 0 is the limit from above.
+  /// apart, and its error. Default: adaptive cubature of f |mu_o|, relative error 1e-9, or larger
+  /// where the noise of the model's values or the limits end it before. Override where there is a
+  /// closed form. w_i above the surface or below; mu = 0 is the limit from above.
   [[nodiscard]] virtual AlbedoEstimate albedo_with_error(Direction wi) const;
   /// Its value.
   [[nodiscard]] Rgb albedo(Direction wi) const { return albedo_with_error(wi).value; }
@@ -135,7 +135,8 @@ struct ModelInfo {
 /// model has one. An unknown choice adds none.
 [[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
                                                        const std::string& choice);
-/// The same for parameters that may have the selector among them; else its default counts.
+/// The parameters there are, for a set that may have the selector among them; else its default
+/// counts.
 [[nodiscard]] std::vector<ParameterInfo> parameters_of(const ModelInfo& info,
                                                        const Parameters& parameters);
 

@@ -9,7 +9,7 @@ struct ValueWithError {
   Rgb f, standard_error;
 };
 
-/// A closed form whose values are estimates: eval is the mean of a fixed set of random numbers.
+/// A closed form whose values are estimates: eval is a mean over a fixed set of random numbers.
 class StochasticModel : public Model {
  public:
   /// eval with its standard error.

@@ -14,7 +14,7 @@ template <class Real>
   return x * polynomial(x, 0.0571085289, 0.491881867, -0.332181442, 0.0714429953);
 }
 
-/// What FON loses of the light from mu in [0, 1], per unit of A r:
+/// The share of the light from mu in [0, 1] that FON loses, per unit of A r:
 ///   (1 - E(mu)) / (A r) = 1/2 - 2 / (3 pi) - G_F(mu) / pi.
 /// EON's eqs. 8 and 13 are 0/0 at mu = 0 and lose, near it, all digits of the difference. With
 /// s = sqrt(1 - mu^2), q = mu / (1 + s), 1 - s = mu q and theta = pi/2 - asin(mu) it is
@@ -31,7 +31,7 @@ template <class Real>
                       multiply_add(Real(1 / kPi) * s, arc_sine(mu, s), -tail));
 }
 
-/// The same with eq. 14's fit of G_F, clamped at 0: absolute error below 6.2e-4.
+/// The share that FON loses with eq. 14's fit of G_F, clamped at 0: absolute error below 6.2e-4.
 template <class Real>
 [[nodiscard]] Real fon_loss_fit(Real mu) {
   return nonnegative(Real(kFonNormalLoss) - fujii_integral_fit(mu));
@@ -39,14 +39,15 @@ template <class Real>
 
 enum class EonAlbedo { none, exact, fit };
 
-/// FON and, unless kAlbedo is none, what it loses, with that albedo (analytic/rough_surface/eon.h).
+/// FON and, unless kAlbedo is none, the lobe for the energy that it loses, with that albedo
+/// (analytic/rough_surface/eon.h).
 template <EonAlbedo kAlbedo>
 struct EonFormula {
   double single[3];    ///< rho A / pi
   double multiple[3];  ///< of loss(mu_i) loss(mu_o)
   double roughness;
 
-  /// What FON loses, as kAlbedo has it.
+  /// The loss of FON by the albedo that kAlbedo names.
   template <class Real>
   [[nodiscard]] static Real loss(Real mu) {
     if constexpr (kAlbedo == EonAlbedo::fit)

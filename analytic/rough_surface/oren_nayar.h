@@ -25,7 +25,8 @@ namespace lamella {
 ///   A = 1 - 0.5 sigma^2 / (sigma^2 + 0.33), B = 0.45 sigma^2 / (sigma^2 + 0.09) (EON eqs. 1-4).
 [[nodiscard]] ModelInfo oren_nayar_model();
 
-/// The same with 0.57 for 0.33: the footnote of the paper, for the missing interreflections.
+/// The qualitative model with 0.57 for 0.33: the footnote of the paper, for the missing
+/// interreflections.
 [[nodiscard]] ModelInfo oren_nayar_footnote_model();
 
 /// Fujii's fit to the full model: f = rho / pi (A' + B s / t), t = max(mu_i, mu_o) for s > 0 and 1
@@ -34,10 +35,10 @@ namespace lamella {
 [[nodiscard]] ModelInfo fujii_qualitative_model();
 
 /// The integral over the hemisphere of oren_nayar_term times a cosine, as a function of the other
-/// one, in [0, 1] (EON eq. 8, its tan theta (1 - sin^3 theta) written without 0 * infinity):
+/// cosine, in [0, 1] (EON eq. 8, its tan theta (1 - sin^3 theta) written without 0 * infinity):
 ///   G_q = sin (theta - sin cos) + 2/3 sin cos (1 + sin + sin^2) / (1 + sin).
 [[nodiscard]] double oren_nayar_integral(double mu);
-/// The same of fujii_term: G_F = G_q - 2/3 sin theta (eq. 13).
+/// The same integral of fujii_term: G_F = G_q - 2/3 sin theta (eq. 13).
 [[nodiscard]] double fujii_integral(double mu);
 
 /// Mean over the hemisphere, cosine-weighted, of G_q / pi: 2/3 - 64 / (45 pi) (eq. 9), and of

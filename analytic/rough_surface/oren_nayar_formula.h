@@ -4,8 +4,8 @@
 
 namespace lamella {
 
-// The formulas of analytic/rough_surface/oren_nayar.h over any number type: what they mean stands
-// there.
+// The formulas of analytic/rough_surface/oren_nayar.h over any number type; that header has their
+// meaning.
 
 /// s+ / max(mu_i, mu_o) of the qualitative models, EON eq. 4.
 template <class Real>
@@ -24,7 +24,7 @@ template <bool kFujii>
 struct QualitativeFormula {
   double rho[3], a[3], b;  ///< rho / pi, A per channel; B
 
-  /// What the channels share: B s / t.
+  /// The factor that the channels share: B s / t.
   template <class Real>
   [[nodiscard]] Real shared(const Angles<Real>& angles) const {
     return Real(b) * (kFujii ? fujii_term(angles) : oren_nayar_term(angles));

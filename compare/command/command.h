@@ -17,26 +17,26 @@ inline constexpr int kDone = 0, kFailed = 1, kUsage = 2, kInvalidNumbers = 3;
 /// Throws UsageError, StackFileError, OutputError or NonFiniteError, which main turns into
 /// messages.
 int simulate_command(const Options& options);
-/// `pictures`: names of their formats; none: PNG where this build has Cairo. So below.
+/// `pictures`, here and below: names of their formats; none: PNG where this build has Cairo.
 int compare_command(const Options& options, const std::vector<std::string>& pictures);
 int furnace_command(const Options& options);
 
-/// What a command answers, and the exit status that it stands for.
+/// The answer of a command, and the exit status that goes with it.
 struct CommandAnswer {
   nlohmann::ordered_json json;
   int status = kDone;
 };
-/// What compare and furnace answer for a stack, nothing printed and no file written: for points of
-/// a sweep.
+/// The answers of compare and furnace for a stack; nothing is printed and no file written. For
+/// points of a sweep.
 [[nodiscard]] CommandAnswer compare_answer(const Options& options, const Stack& stack,
                                            const RunMonitor& monitor);
 [[nodiscard]] CommandAnswer furnace_answer(const Options& options, const Stack& stack,
                                            const RunMonitor& monitor);
 
-/// Depth profiles in the place of the stack's grids, and what that costs.
+/// Depth profiles in the place of the stack's grids, and the error that this makes.
 int homogenise_command(const Options& options);
 int bench_command(const Options& options);
-/// What bench measures, in its order: the words of --only.
+/// The parts of bench, in its order: the words of --only.
 [[nodiscard]] std::vector<std::string> bench_parts();
 int accuracy_command(const Options& options);
 int preview_command(const Options& options, const std::vector<std::string>& pictures);

@@ -12,7 +12,7 @@
 
 namespace lamella {
 
-/// The commands of the program as the parser knows them, and what their options and arguments fill.
+/// The commands of the program as the parser knows them, and the values of options and arguments.
 struct CommandLine {
   CommandLine();
   CommandLine(const CommandLine&) = delete;  // the parser points into it
@@ -36,14 +36,15 @@ struct CommandLine {
   /// all, which shows the help, ends the program.
   [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
-  /// Does what the command that was given does, with as many threads as were asked for.
+  /// Runs the command that was given, with as many threads as were asked for.
   [[nodiscard]] int run() const;
 
  private:
   std::vector<std::pair<const CLI::App*, std::function<int()>>> runs_{};
 };
 
-/// What there is, in the order of the overview: about stacks, closed forms, files.
+/// The definitions of all commands, in the order of the overview: about stacks, closed forms,
+/// files.
 void define_stack_commands(CommandLine& line);
 void define_model_commands(CommandLine& line);
 void define_file_commands(CommandLine& line);

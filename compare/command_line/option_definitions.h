@@ -9,16 +9,17 @@ namespace lamella {
 [[nodiscard]] CLI::Validator positive_number();
 [[nodiscard]] CLI::Validator number_from_zero();
 [[nodiscard]] CLI::Validator whole_number(std::uint64_t from, std::uint64_t to);
-/// Any text but none at all: without it a command would do what it does where nothing was typed.
+/// Any text except an empty one, which would otherwise count as an option that was not given.
 [[nodiscard]] CLI::Validator named(const std::string& allowed);
 inline constexpr const char* kAllowedStacks =
     "a TOML file, - for stdin, or a built-in stack (lamella stacks lists them)";
 /// A model, or @FILE with one in it, which it becomes.
 [[nodiscard]] CLI::Validator model_argument();
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
-/// A file to write of a type such as "FILE.exr": the name has that ending, or it is a device or
-/// pipe. Of the type "FILE" every ending but those of other formats, of "FOLDER" a name that no
-/// format's ending has, or a folder that is there. Throws OutputError where it cannot be written.
+/// A file to write. Of a type like "FILE.exr": the name has that ending, or it is a device or pipe.
+/// Of the type "FILE": every ending but those of other formats. Of the type "FOLDER": a name
+/// without the ending of a format, or a folder that exists. Throws OutputError where it cannot be
+/// written.
 [[nodiscard]] CLI::Validator output_of(const std::string& type);
 
 /// Options that several commands share.
@@ -36,7 +37,7 @@ void add_isa(CLI::App& command, CommandLine& line);
 void add_grid(CLI::App& command, CommandLine& line);
 void add_model(CLI::App& command, CommandLine& line, const std::string& doc);
 void add_max_error(CLI::App& command, CommandLine& line);
-/// --pictures: the formats of what a command draws.
+/// --pictures: the formats of a command's pictures.
 void add_pictures(CLI::App& command, CommandLine& line);
 void add_output(CLI::App& command, CommandLine& line, const std::string& type,
                 const std::string& doc);

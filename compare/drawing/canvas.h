@@ -21,8 +21,8 @@ enum class Font { small, bold, title };
 enum class Align { left, center, right };
 
 /// A picture being drawn with Cairo: white at first, coordinates in pixels from the top left; the
-/// centre of the pixel (x, y) is (x + 0.5, y + 0.5). What falls outside is cut off. All shapes and
-/// texts are anti-aliased. Throws PictureError.
+/// centre of the pixel (x, y) is (x + 0.5, y + 0.5). Parts outside the picture are cut off. All
+/// shapes and texts are anti-aliased. Throws PictureError.
 class Canvas {
  public:
   /// Whether this build has Cairo.
@@ -51,7 +51,7 @@ class Canvas {
   /// One line of text, its top at y. Bytes that are no UTF-8 become U+FFFD, control characters
   /// blanks.
   void text(double x, double y, std::string_view utf8, Font font, Align align, Color color);
-  /// The same, read from below, centred about y, its left at x.
+  /// One line of text that reads upwards, centred about y, its left at x.
   void text_upwards(double x, double y, std::string_view utf8, Font font, Color color);
 
   /// Ends the drawing and gives the file's bytes. Equal pictures give equal bytes (with the same

@@ -12,7 +12,7 @@ struct ChartSeries {
   std::string label;  ///< empty: shown with the series before it
   std::vector<double> x, y;
   std::vector<double> error = {};  ///< of y, drawn as bars; empty: none
-  bool dots = false;               ///< dots (what was simulated) instead of a line
+  bool dots = false;               ///< dots (simulated values) instead of a line
   /// The curve's colour is that of the series before it: one quantity, drawn twice.
   bool same_color = false;
 };

@@ -8,7 +8,7 @@
 
 namespace lamella {
 
-/// From values to colours, and the ticks that tell which. low and high are round numbers.
+/// A map from values to colours, with its ticks. low and high are round numbers.
 struct ColorScale {
   enum class Kind { linear, logarithmic, diverging };
 
@@ -21,7 +21,7 @@ struct ColorScale {
   double low = 0, high = 1;  ///< logarithmic: both positive; diverging: low = -high
   double step = 1;           ///< between ticks, unless logarithmic
 
-  /// Place of a value between low (0) and high (1); what lies beyond is clamped.
+  /// Place of a value between low (0) and high (1), clamped.
   [[nodiscard]] double position(double value) const;
   [[nodiscard]] Color color_at(double position) const;
   /// Colour of a value that is not nan.
@@ -31,7 +31,7 @@ struct ColorScale {
 
 /// One scale for two maps of magnitudes (either may be empty): from 0, or from the lowest value if
 /// that is negative, to at least the highest. Logarithmic: over their positive values, at most
-/// about six decades; linear all the same if there is none. Values that are not finite don't count.
+/// about six decades; linear if there is no positive value. Values that are not finite don't count.
 [[nodiscard]] ColorScale magnitude_scale(std::span<const double> a, std::span<const double> b,
                                          bool logarithmic);
 

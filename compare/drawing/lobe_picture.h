@@ -32,10 +32,10 @@ struct LobePicture {
 /// one too (radius sin theta_o, so that equal cells have equal area; phi = 0, the side of w_i, on
 /// the right, counter-clockwise; a folded grid mirrored to the full circle); below, the same map as
 /// a rectangle with phi to the right and mu^2 falling downwards; then the scales. truth and model
-/// share one; that of the difference is symmetric about 0. z goes from -4 to 4, and what lies
-/// beyond is counted; where the truth is bounded the error over its bound, |z|, is shown on a
-/// logarithmic scale. Equal input gives equal bytes. Throws std::invalid_argument for a map of the
-/// wrong size or no map at all, PictureError without Cairo.
+/// share one; that of the difference is symmetric about 0. z goes from -4 to 4, and cells beyond
+/// are counted; where the truth is bounded the error over its bound, |z|, is shown on a logarithmic
+/// scale. Equal input gives equal bytes. Throws std::invalid_argument for a map of the wrong size
+/// or no map at all, PictureError without Cairo.
 [[nodiscard]] std::string draw_lobe(const LobePicture& picture,
                                     PictureFormat format = PictureFormat::png);
 

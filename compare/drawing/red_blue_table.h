@@ -37,7 +37,7 @@ inline constexpr std::array<std::uint32_t, 256> kBlueRed = {
     0xa51429, 0xa21328, 0x9f1228, 0x9c1127, 0x991027, 0x960f27, 0x930e26, 0x900d26, 0x8d0c25,
     0x8a0b25, 0x870a24, 0x840924, 0x810823, 0x7f0823, 0x7c0722, 0x790622, 0x760521, 0x730421,
     0x700320, 0x6d0220, 0x6a011f, 0x67001f};
-/// What no sign has, between entries 127 and 128: the middle class.
+/// The neutral colour, of 0, between entries 127 and 128: the middle class.
 inline constexpr std::uint32_t kNeutral = 0xf7f7f7;
 
 }  // namespace lamella

@@ -9,7 +9,7 @@ namespace lamella {
 /// SHA-256 (FIPS 180-4) in lower-case hexadecimal digits, as the program sha256sum prints it.
 [[nodiscard]] std::string content_hash(std::string_view bytes);
 
-/// The same of a file's content, read piece by piece. Throws OutputError where it cannot be read.
+/// The hash of a file's content, read piece by piece. Throws OutputError where it cannot be read.
 [[nodiscard]] std::string content_hash_of_file(const std::filesystem::path& path);
 
 }  // namespace lamella

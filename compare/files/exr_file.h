@@ -22,7 +22,7 @@ void write_exr(const std::filesystem::path& path, const ExrImage& image);
 [[nodiscard]] ExrImage read_exr(const std::filesystem::path& path);
 
 /// Doubles as a channel's floats. Throws OutputError where one is not finite or beyond float's
-/// range; what is too small becomes 0.
+/// range; numbers below float's range become 0.
 [[nodiscard]] std::vector<float> exr_values(std::span<const double> values);
 
 /// "wi0.reflect.order1.se.R": the place of a channel in a file of lobes.

@@ -7,8 +7,8 @@
 
 namespace lamella {
 
-/// Named channels of one size and string attributes: what Lamella's EXR files hold. Pixels go row
-/// by row from the top left; x is the phi cell from phi = 0, y the mu^2 cell from the normal.
+/// The content of Lamella's EXR files: named channels of one size and string attributes. Pixels go
+/// row by row from the top left; x is the phi cell from phi = 0, y the mu^2 cell from the normal.
 struct ExrImage {
   int width = 0, height = 0;
   /// width * height values each

@@ -34,7 +34,7 @@ struct ExrPart {
   std::string name;
   std::string kind;   ///< "scanlineimage", "tiledimage", "deepscanline" or "deeptile"
   ExrWindow data;     ///< the pixels that the file holds
-  ExrWindow display;  ///< the picture; what the file does not hold of it is black
+  ExrWindow display;  ///< the picture; pixels outside of `data` are black
   std::vector<ExrChannel> channels;
   std::map<std::string, std::string> attributes;  ///< those that are strings
 

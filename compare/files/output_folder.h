@@ -16,13 +16,13 @@ struct OutputError : std::runtime_error {
 /// folder, cannot be made or cannot be written to.
 void make_output_folder(const std::filesystem::path& folder);
 
-/// Throws OutputError where write_file would: what takes long is not to fail at its end.
+/// Throws OutputError where write_file would, so that long work does not fail at its end.
 void check_output_file(const std::filesystem::path& path);
 
 /// Writes a whole file, text or binary: a reader sees the old content or the new, never a part.
 /// The bytes go to a temporary name in the same folder, which then takes the file's place and is
-/// removed on failure. A symbolic link is followed; what is no regular file (a pipe, a device) is
-/// written to as it is. Throws OutputError.
+/// removed on failure. A symbolic link is followed; a pipe or a device is written to directly.
+/// Throws OutputError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace lamella

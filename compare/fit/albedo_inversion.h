@@ -7,7 +7,8 @@
 
 namespace lamella {
 
-/// A colour that no albedo in [0, 1] gives: what it asks for, and what can be had.
+/// A colour that no albedo in [0, 1] gives. what() names the colour and the range that can be
+/// reached.
 struct UnreachableColor : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -9,7 +9,7 @@ struct FitError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Whether this build has Ceres, which the fits need: before a truth is simulated for one.
+/// Whether this build has Ceres, which the fits need; to be asked before a truth is simulated.
 [[nodiscard]] bool has_least_squares();
 /// Throws FitError unless has_least_squares().
 void require_least_squares();

@@ -14,7 +14,7 @@ struct SpongecakeResidue {
   bool reflected = true;
   double energy_truth = 0, energy_model = 0;  ///< of orders 2 and up, luminance (Rec. 709)
   double relative_rmse = 0;                   ///< over the cells; 1: as far off as no lobe at all
-  double noise = 0;  ///< the simulation's part of relative_rmse, that of light it lacks included
+  double noise = 0;  ///< the simulation's part of relative_rmse, with that of missing light
   /// How much energy_truth may be too low, as walks were cut: 3 standard errors included.
   double energy_missing = 0;
 };
@@ -23,7 +23,7 @@ struct SpongecakeFit {
   std::string request;  ///< "spongecake,key=value,...", as --model takes it
   std::vector<SpongecakeResidue> residues;
   double relative_rmse = 0, noise = 0;  ///< over all directions and sides
-  double walk_noise = 0;                ///< of `noise`, what more walks would lessen
+  double walk_noise = 0;                ///< the part of `noise` that more walks would lessen
   int iterations = 0;
 };
 

@@ -8,14 +8,15 @@
 
 namespace lamella {
 
-/// How far a closed form is from the solved truth of one stack that it claims to describe, at the
-/// default incident directions (theta_i = 0, 30, 60, 80 degrees), all orders, each side by itself.
+/// The error of a closed form against the solved truth of one stack that it claims to describe, at
+/// the default incident directions (theta_i = 0, 30, 60, 80 degrees), all orders, each side by
+/// itself.
 struct ModelAccuracy {
   std::string family;  ///< of stacks, in words
   std::string stack;   ///< the parameters that vary within it
   std::string model;
-  std::vector<double> reflected;    ///< relative RMSE of that lobe, per incident direction
-  std::vector<double> transmitted;  ///< likewise; empty where nothing comes through
+  std::vector<double> reflected;    ///< relative RMSE of the reflected lobe, per incident direction
+  std::vector<double> transmitted;  ///< the same, transmitted; empty where nothing comes through
   double energy_off = 0;            ///< largest |energy of the model - of the truth| of a side
   double bound = 0;                 ///< of the truth, relative to the mean over the azimuth
 };

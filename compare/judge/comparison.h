@@ -39,13 +39,13 @@ struct LobeComparison {
   // The maps, [channel][cell].
   std::vector<double> truth, standard_error, model;
   std::vector<double> model_error;  ///< standard errors of a stochastic model; else empty
-  /// What the projection left open beyond kProjectionTolerance, per cell; empty if nothing.
+  /// The projection's error beyond kProjectionTolerance, per cell; empty if there is none.
   std::vector<double> projection_error;
 
   /// The sum over cells and channels of projection_error over that of |model|, 0 if nothing is
   /// open.
   [[nodiscard]] double open_share() const;
-  /// Whether walks were cut that may have belonged here.
+  /// Whether walks were cut whose light may have belonged to this lobe.
   [[nodiscard]] bool is_cut() const;
   /// (model - truth) / the standard error of both; 0 in cells without one.
   [[nodiscard]] std::vector<double> z() const;
@@ -57,14 +57,14 @@ struct LobeComparison {
 /// no noise to remove. A stochastic model's noise is removed like the truth's, and counts in the
 /// p-value with its covariance over cells; against bounds the p-value is then a test's, each cell
 /// known to its bound. Where walks were cut the hypothesis is that model and truth are the same
-/// wherever the missing light belongs: means that are too low by no more than it do not count, and
-/// Hotelling's test, which has no such side, gives way to the largest deviation of a patch or of
-/// the whole lobe. Verdicts are left at `agrees` until `decide` has seen all comparisons of a
-/// report.
+/// wherever the missing light belongs: means that are too low by no more than the missing light do
+/// not count, and Hotelling's test, which is not one-sided, gives way to the largest deviation of a
+/// patch or of the whole lobe. Verdicts are left at `agrees` until `decide` has seen all
+/// comparisons of a report.
 [[nodiscard]] std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
                                                   const ProjectedLobes& model, bool reflected);
 
-/// Chance that a report with only true models calls one of them different.
+/// Probability that a report with only true models calls one of them different.
 inline constexpr double kReportFalseAlarm = 0.01;
 
 /// The relative RMSE within which a model `agrees`.

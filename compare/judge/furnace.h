@@ -24,7 +24,7 @@ struct FurnaceRun {
   std::array<Estimate, 3> energy{};  ///< reflected + transmitted + uncollided, by the estimator
   std::array<double, 3> expected{};  ///< 1 - absorbed - unresolved - thinned by the ledger
   FurnaceVerdict verdict = FurnaceVerdict::pass;
-  bool loses = false, gains = false;  ///< where it fails: what a channel does beyond its error
+  bool loses = false, gains = false;  ///< where it fails: whether a channel loses or gains energy
   bool is_wide = false;               ///< an error is above kWidestFurnaceError
   bool is_cut = false;                ///< more is unresolved than the noise
   bool has_few_events = false;        ///< too few to judge a mean by
@@ -33,14 +33,14 @@ struct FurnaceRun {
 /// "none", "loss", "gain" or "both".
 [[nodiscard]] std::string loss_or_gain(bool loses, bool gains);
 
-/// A furnace judged: the energy that leaves must be 1 (with absorption kept: 1 less what the ledger
-/// says is absorbed) within furnace_quantile(level) standard errors. What the order limit cut is
-/// missing: if it is more than the noise and the energy is short by no more than it, nothing can be
-/// said; nor where the estimator saw fewer than some 100 effective events (sharp lobes that few
-/// walks hit), nor where the energy's standard error, thinning's part included, is above
+/// Judges a furnace: the energy that leaves must be 1 (with absorption kept: 1 less the energy that
+/// the ledger has as absorbed) within furnace_quantile(level) standard errors. The verdict is
+/// `inconclusive` in three cases: the light that the order limit cut is more than the noise and
+/// accounts for the deficit; the estimator saw fewer than some 100 effective events (sharp lobes
+/// that few walks hit); the energy's standard error, thinning's part included, is above
 /// kWidestFurnaceError. `level`: the probability with which a true furnace may fail by chance.
-/// Without batches the run has error bounds: what its cells sum to must be 1 within them, and
-/// bounds above kWidestFurnaceError say nothing.
+/// Without batches the run has error bounds: the sum of its cells must be 1 within them, and bounds
+/// above kWidestFurnaceError are inconclusive.
 [[nodiscard]] FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool white,
                                        double level);
 
@@ -65,7 +65,7 @@ struct RadianceCheck {
                                            std::uint64_t walks, std::uint64_t seed,
                                            const StopFlag* stop = nullptr);
 
-/// The same from a solved stack, errors being bounds.
+/// The radiance furnace of a solved stack; errors are bounds.
 [[nodiscard]] RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w);
 
 }  // namespace lamella

@@ -7,8 +7,8 @@
 
 namespace lamella {
 
-/// Two simulations of one incident direction on the same cells: what a stack loses when another one
-/// replaces it, on one lobe.
+/// Two simulations of one incident direction on the same cells: the error on one lobe if the second
+/// stack replaces the first.
 struct LobeDifference {
   Direction wi{};
   bool reflected = true;
@@ -27,13 +27,14 @@ struct LobeDifference {
 
 /// Every lobe of two simulations with the same cells, channels, walks and incident direction but
 /// different seeds. The p-value is Hotelling's on a few patches of the hemisphere, from the 128
-/// differences between batches; patches that few walks reach are pooled. Where walks were cut, what
-/// both may lack is no difference: the largest deviation of a patch or of the whole lobe beyond it.
+/// differences between batches; patches that few walks reach are pooled. Where walks were cut,
+/// light that both may lack is no difference: the p-value is then that of the largest deviation,
+/// beyond this light, of a patch or of the whole lobe.
 [[nodiscard]] std::vector<LobeDifference> differences(const Simulation& first,
                                                       const Simulation& second);
 
-/// Sets the verdicts, as `decide` does for closed forms: a chance of 1 % over all that a lobe is
-/// called different that is not; insufficient if the noise could hide 10 %.
+/// Sets the verdicts, as `decide` does for closed forms: the probability that any lobe is called
+/// different that is not is 1 %; insufficient if the noise could hide 10 %.
 void decide(std::vector<LobeDifference>& lobes);
 
 }  // namespace lamella

@@ -26,7 +26,7 @@ double least_sum(std::vector<double> difference, double budget) {
   return sum;
 }
 
-// Convex in m: largest where one cell has all of it, the one that the model is lowest in.
+// Convex in m: largest where one cell has all the missing light, the one where the model is lowest.
 double most_sum(std::span<const double> difference, double budget) {
   const double lowest = *std::min_element(difference.begin(), difference.end());
   double sum = 0;

@@ -8,14 +8,14 @@
 
 namespace lamella {
 
-/// What a truth of walks that were cut may lack. A walk that --max-order cuts holds energy (the
-/// ledger's `unresolved`, of the light that came in) that would have left in orders beyond the
-/// limit, or would have been absorbed. So the energies of the lobes that are cut are too low by at
-/// most that, all of them together, and none is too high.
+/// The light that a truth of walks may lack because walks were cut. A walk that --max-order cuts
+/// holds energy (the ledger's `unresolved`, a share of the light that came in) that would have left
+/// in orders beyond the limit, or would have been absorbed. So the energies of the lobes that are
+/// cut are too low by at most this energy, all of them together, and none is too high.
 ///
-/// Per cell no more is known of an arbitrary medium than that one cell may lack everything: its
-/// mean of f is too low by at most unresolved / (projected solid angle of a cell), and the sum over
-/// the cells of both sides of what they lack stays below the same number.
+/// For an arbitrary medium one cell may lack all of this light: its mean of f is too low by at most
+/// unresolved / (projected solid angle of a cell). The sum of the deficits over the cells of both
+/// sides stays below the same number.
 
 /// Standard errors of the ledger's `unresolved` that are added to it, as it is an estimate.
 inline constexpr double kUnresolvedErrors = 3;
@@ -27,12 +27,11 @@ inline constexpr double kUnresolvedErrors = 3;
 /// Per channel, how much the energy of this order's lobe may be too low; zeros where it is whole.
 [[nodiscard]] std::vector<double> missing_energy(const RunResult& run, Order order);
 
-/// What the cells of a lobe may lack, as the squared difference from a model has it. All lists are
-/// [channel][cell]; budget: per channel, the most that the sum over the cells of their means of f
-/// may be too low.
+/// The range of the mean squared difference from a model, as cells may lack light. All lists are
+/// [channel][cell]; budget: per channel, the largest deficit of the sum of the cells' means of f.
 struct SquaredDifferences {
-  double least = 0;  ///< mean over the cells, with the missing light where it suits the model best
-  double most = 0;   ///< and where it suits it worst
+  double least = 0;  ///< mean over the cells, with the missing light where the model fits best
+  double most = 0;   ///< the same, with the missing light where the model fits worst
 };
 [[nodiscard]] SquaredDifferences squared_differences(std::span<const double> model,
                                                      std::span<const double> truth,

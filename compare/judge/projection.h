@@ -13,21 +13,21 @@ namespace lamella {
 struct ProjectedLobes {
   std::array<std::vector<double>, kLobeOrders> lobes;
   std::array<bool, kLobeOrders> has{};  ///< whether the model has a lobe of that order; all: true
-  /// What refinement left open, per cell like the values: the last change, 0 where that is within
-  /// kProjectionTolerance. Jumps, noise and features narrower than a panel leave something.
+  /// The error that refinement left, per cell like the values: the last change, 0 where that is
+  /// within kProjectionTolerance. Jumps, noise and features narrower than a panel leave an error.
   std::array<std::vector<double>, kLobeOrders> errors;
   /// Of a stochastic model: lobes of independent estimates, whose scatter is the model's noise.
   std::vector<std::array<std::vector<double>, kLobeOrders>> parts;
 };
 
-/// Relative accuracy of a projected cell: what a comparison may not hold against a model.
+/// Relative accuracy of a projected cell: a comparison does not count smaller differences.
 inline constexpr double kProjectionTolerance = 1e-4;
-/// Share of the lobe's mean below which a cell's value no longer counts in that.
+/// Share of the lobe's mean below which the accuracy is relative to the mean, not to the cell.
 inline constexpr double kProjectionFloor = 1e-3;
 
 /// Most panels of a cell along mu and along phi, of four by four points each.
 inline constexpr int kProjectionPanels = 32;
-/// After this time cells are refined no further, whatever is left open.
+/// After this time [s] cells are refined no further, whatever their error.
 inline constexpr double kProjectionSeconds = 30;
 
 /// Projects by Gauss-Legendre quadrature over each cell, cut beforehand into small pieces about the
@@ -36,8 +36,8 @@ inline constexpr double kProjectionSeconds = 30;
 /// less than kProjectionTolerance of itself (or of kProjectionFloor of the lobe's mean), at most
 /// kProjectionPanels times along mu and phi, and for at most kProjectionSeconds of time. `up`: the
 /// side w_o lies on; channels: 1 or 3. A stochastic model's parts, as many as a run has batches,
-/// are projected without refinement: noise need not be known so well. Runs in the calling thread's
-/// task arena.
+/// are projected without refinement, as the noise itself need not be accurate. Runs in the calling
+/// thread's task arena.
 [[nodiscard]] ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
                                      const CellGrid& grid, bool up, int channels);
 

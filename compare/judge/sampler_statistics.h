@@ -4,8 +4,8 @@
 
 namespace lamella {
 
-/// What a sampler makes of a model at one w_o: statistics of the weight f |mu_i| / pdf, per channel
-/// the largest one counted.
+/// Statistics of a sampler at one w_o: of the weight f |mu_i| / pdf, of which the largest channel
+/// counts.
 struct SamplerStatistics {
   double mean = 0, mean_error = 0;  ///< estimates the directional albedo
   double variance = 0;

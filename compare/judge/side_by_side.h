@@ -9,25 +9,25 @@
 
 namespace lamella {
 
-/// How far a lobe on cells is from a truth, as LobeComparison has it: the root of the mean squared
-/// difference, the noise that both carry removed, over the root mean square of the truth, its noise
-/// removed. And that noise over the same: below about half of it a difference is not seen. Both
-/// infinite where the truth is 0 and the other is not.
+/// The relative error of a lobe on cells, as in LobeComparison: the root of the mean squared
+/// difference, the noise of both removed, over the root mean square of the truth, its noise
+/// removed; and the noise over the same root mean square. Differences below about half the noise
+/// are not seen. Both are infinite where the truth is 0 and the other is not.
 struct RelativeError {
   double rmse = 0, noise = 0;
 };
 
 /// `other_error`: standard errors of the other, empty if it has none. All per cell.
-/// `missing_square`: what light that cut walks held may add to the sum of the cells' squares; it
-/// counts as noise of unknown sign: the difference keeps it.
+/// `missing_square`: the amount that light of cut walks may add to the sum of the cells' squares.
+/// It counts as noise but is not removed from the difference, as its sign is unknown.
 [[nodiscard]] RelativeError relative_error(const LobeEstimate& truth,
                                            const std::vector<double>& other,
                                            const std::vector<double>& other_error = {},
                                            double missing_square = 0);
 
 /// Explicit geometry, a medium that stands for it, and a closed form of that medium: one lobe of
-/// the reflected light. What the medium leaves out of the geometry, what the form leaves out of the
-/// medium, and what it leaves out of the geometry, which is the truth of the first and the last.
+/// the reflected light. Three errors: of the medium against the geometry, of the closed form
+/// against the medium, and of the closed form against the geometry.
 struct SideBySide {
   Direction wi{};
   std::string medium;  ///< its layer's
@@ -42,7 +42,7 @@ struct SideBySide {
 
 /// Measures the geometry, walks the media that can stand for it (volume/grains/grain_measure.h) and
 /// projects the closed forms that apply to those, for each of the runs among the grains of the
-/// request's stack. `stop`, once set, leaves out what is still to be had.
+/// request's stack. `stop`, once set, leaves out the runs that have not begun.
 [[nodiscard]] std::vector<SideBySide> side_by_side(const TruthRequest& request,
                                                    const std::vector<RunResult>& runs,
                                                    const StopFlag* stop);

@@ -25,7 +25,7 @@ struct StackComparison {
   std::vector<RunResult> runs;  ///< per incident direction
   std::vector<JudgedModel> models;
   std::vector<SideBySide> beside;  ///< of explicit geometry: the media that can stand for it
-  bool interrupted = false;        ///< less than was asked for
+  bool interrupted = false;        ///< whether directions or walks are missing
 };
 
 /// Finds the truth of each incident direction and judges the models by it, verdicts included.

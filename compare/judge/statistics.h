@@ -5,8 +5,8 @@
 
 namespace lamella {
 
-/// Sums per batch of some quantities, with the batches' numbers of walks: what a test needs to know
-/// of correlated estimates. sums[b][k]: quantity k in batch b.
+/// Sums per batch of some quantities, with the batches' numbers of walks: the data of a test of
+/// correlated estimates. sums[b][k]: quantity k in batch b.
 struct BatchSums {
   std::vector<double> walks;
   std::vector<std::vector<double>> sums;
@@ -27,9 +27,9 @@ struct Means {
 [[nodiscard]] BatchSums grouped(const BatchSums& sums, const std::vector<int>& group, int groups);
 
 /// Groups of neighbouring quantities, each with at least `events` effective events ((mean /
-/// standard error)^2), so that its mean is near enough to normal; what is left joins the last
-/// group. Returns the group of each quantity; the number of groups is 1 + the largest, 0 if all
-/// together are too few.
+/// standard error)^2), so that its mean is near enough to normal; remaining quantities join the
+/// last group. Returns the group of each quantity; the number of groups is 1 + the largest, 0 if
+/// all together are too few.
 [[nodiscard]] std::vector<int> pooled_groups(const BatchSums& sums, double events);
 
 /// Hotelling's test of the means against given values, known to +-uncertainty each: uses the
@@ -50,9 +50,8 @@ struct Means {
                                                const std::vector<double>& uncertainty, int batches,
                                                const std::vector<double>& missing = {});
 
-/// The level of each of `tests` tests at which at least one of them rejects what is true with the
-/// probability `false_alarm`, if they are independent (Sidak 1967): 1 - (1 -
-/// false_alarm)^(1/tests).
+/// The level of each of `tests` independent tests at which the probability that any of them rejects
+/// a true hypothesis is `false_alarm` (Sidak 1967): 1 - (1 - false_alarm)^(1/tests).
 [[nodiscard]] double sidak_level(double false_alarm, std::size_t tests);
 
 }  // namespace lamella

@@ -13,7 +13,7 @@ namespace lamella {
 /// %", wherever the missing light belongs.
 [[nodiscard]] std::string verdict_text(const LobeComparison& lobe);
 
-/// What the verdicts of a report mean, for the foot of its table; lines end with '\n'. `max_order`:
+/// The meaning of a report's verdicts, for the foot of its table; lines end with '\n'. `max_order`:
 /// of the walks.
 [[nodiscard]] std::string verdict_legend(const std::vector<const LobeComparison*>& lobes,
                                          std::uint64_t max_order);

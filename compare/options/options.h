@@ -10,8 +10,8 @@
 
 namespace lamella {
 
-/// What was typed: every member is an option of the command line. What the commands ask of the rest
-/// of the program is typed and made from it by the functions below.
+/// The words of the command line: every member is an option. The functions below make from them the
+/// typed requests that the commands hand to the rest of the program.
 struct Options {
   std::string stack{};                  ///< name, file or "-"; empty: the default stack
   std::vector<std::string> incident{};  ///< THETA[,PHI] in degrees

@@ -11,9 +11,9 @@ namespace lamella {
 /// float32 values, little-endian, in base64: how maps stand in a page.
 [[nodiscard]] std::string base64_floats(const std::vector<double>& values);
 
-/// What the page of a comparison shows beside its JSON: the grid, the ledgers of the runs and the
-/// maps of truth, standard error and every model, [channel][cell]. `models`: the comparisons of
-/// each model, in the order of the answer's models.
+/// The data that the page of a comparison shows beside its JSON: the grid, the ledgers of the runs
+/// and the maps of truth, standard error and every model, [channel][cell]. `models`: the
+/// comparisons of each model, in the order of the answer's models.
 [[nodiscard]] nlohmann::ordered_json compare_page_details(
     const std::vector<RunResult>& runs, const std::vector<std::vector<LobeComparison>>& models);
 

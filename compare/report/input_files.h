@@ -20,14 +20,14 @@ class InputFiles {
 
   [[nodiscard]] bool empty() const { return files_.empty(); }
 
-  /// Throws OutputError where a file's content is no more what was hashed: then nobody knows what
-  /// the run has read.
+  /// Throws OutputError where a file's content is no longer the one that was hashed, so that the
+  /// content which the run read is unknown.
   void check() const;
 
   /// A line per file as the program sha256sum writes and checks it: hash, two blanks, and the name
   /// as a text in `folder` has it (relative_to).
   [[nodiscard]] std::string text(const std::filesystem::path& folder) const;
-  /// The same as a list of {name, sha256}.
+  /// The files as a list of {name, sha256}.
   [[nodiscard]] nlohmann::ordered_json json(const std::filesystem::path& folder) const;
 
  private:
@@ -39,10 +39,10 @@ class InputFiles {
   std::vector<File> files_{};  // each path once
 };
 
-/// Finds a file that a text in `folder` names, by what InputFiles::text recorded there: the file of
-/// that name, or else one of the same last name right in `folder`, if its content is what was
-/// recorded. Of a file without a record the name is all there is. Throws StackFileError, which
-/// begins with `where` and names the file, where nothing is found or the content is another.
+/// Finds a file that a text in `folder` names, by the record that InputFiles::text made: the file
+/// of that name, or else one of the same last name right in `folder`, if its content has the
+/// recorded hash. A file without a record is found by its name alone. Throws StackFileError, which
+/// begins with `where` and names the file, where no file is found or the content is another.
 [[nodiscard]] std::filesystem::path find_recorded(const std::string& name,
                                                   const std::string& recorded,
                                                   const std::filesystem::path& folder,

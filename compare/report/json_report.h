@@ -12,7 +12,7 @@
 
 namespace lamella {
 
-/// What every JSON answer starts with: format, command, stack (if there is one), seed, threads,
+/// The beginning of every JSON answer: format, command, stack (if there is one), seed, threads,
 /// isa. An answer in memory names files from the working directory.
 [[nodiscard]] nlohmann::ordered_json json_header(const std::string& command, std::uint64_t seed,
                                                  Isa isa);

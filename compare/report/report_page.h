@@ -8,7 +8,7 @@ namespace lamella {
 
 /// One self-contained HTML page: the template that was built from compare/report with the numbers
 /// in it. `answer`: the JSON of a command, word for word, which decides what the page shows;
-/// `details`: what its plots need besides (an object or null). Equal input gives equal bytes.
+/// `details`: the further data of its plots (an object or null). Equal input gives equal bytes.
 [[nodiscard]] std::string report_page(const std::string& title,
                                       const nlohmann::ordered_json& answer,
                                       const nlohmann::ordered_json& details);

@@ -11,7 +11,7 @@
 namespace lamella {
 namespace {
 
-// Longer than any line of numbers: what goes on without an end is no such file.
+// Longer than any line of numbers: a file with a longer line is no table of text.
 constexpr std::size_t kLongestLine = 4096;
 constexpr std::size_t kLongestShown = 100;
 constexpr const char* kAllowedFile = "lines of comma-separated numbers in UTF-8";

@@ -12,11 +12,11 @@ namespace lamella {
 
 /// A table of text, line by line, as spreadsheets and statistics programs write it.
 ///
-/// The first line decides what separates fields: a semicolon, else a comma, else a tab; a line
-/// "sep=;" before it (Excel) says so itself. Fields may stand in double quotes, blanks at their
-/// ends are dropped, and so are a byte order mark, blank lines and a carriage return at the end of
-/// a line. Between semicolons or tabs a decimal comma is a decimal point; one file has one of them.
-/// What is not understood is refused with file, line, and the line as it stands there.
+/// The first line decides which character separates fields: a semicolon, else a comma, else a tab.
+/// A line "sep=;" before it (Excel) names the character itself. Fields may stand in double quotes,
+/// blanks at their ends are dropped, and so are a byte order mark, blank lines and a carriage
+/// return at the end of a line. Between semicolons or tabs a decimal comma is a decimal point; a
+/// file uses one decimal mark. Other input is refused with file, line number, and the line's text.
 class CsvReader {
  public:
   /// `file`: as named in errors.

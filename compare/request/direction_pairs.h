@@ -18,9 +18,9 @@ struct DirectionPairs {
   std::vector<DirectionPair> pairs;
 };
 
-/// Reads CSV (see CsvReader for what is taken as such) with the header theta_i,phi_i,theta_o,phi_o
-/// or mu_i,phi_i,mu_o,phi_o; theta in [0, 180] and phi in degrees, mu a cosine in [-1, 1]. Throws
-/// UsageError with file, line, what was found and what is allowed.
+/// Reads CSV (CsvReader says which forms it takes) with the header theta_i,phi_i,theta_o,phi_o or
+/// mu_i,phi_i,mu_o,phi_o; theta in [0, 180] and phi in degrees, mu a cosine in [-1, 1]. Throws
+/// UsageError, which names file, line, the value found and the values allowed.
 [[nodiscard]] DirectionPairs read_pairs(std::istream& in, const std::string& file);
 
 /// Refuses the pair k: throws UsageError with file, line and the row.

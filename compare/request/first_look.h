@@ -10,24 +10,23 @@
 
 namespace lamella {
 
-/// Seconds that walks take in all, over the incident directions, where nothing says how many they
-/// are, how long they take or how exact they have to be.
+/// Seconds that walks take in all, over the incident directions, where no number, time or error of
+/// walks was asked for.
 inline constexpr double kFirstLookSeconds = 20;
 
-/// What ends the runs of a request. Where nothing was asked of their effort the clock ends them,
-/// too: narrow media of little absorption would take an hour for the default number of walks. How
-/// many walks there were is recorded, so that a rerun repeats them.
+/// The rule that ends the runs of a request. Where no effort was asked for, the clock ends them,
+/// too: narrow media of little absorption would take an hour for the default number of walks. The
+/// number of walks is recorded, so that a rerun repeats them.
 class FirstLook {
  public:
-  /// `runs`: how many there will be, which share the time. Another number of walks than
-  /// `default_walks` was asked for.
+  /// `runs`: how many there will be; they share the time. A number of walks other than
+  /// `default_walks` counts as asked for.
   FirstLook(const TruthRequest& request, std::size_t runs, double seconds = kFirstLookSeconds,
             std::uint64_t default_walks = StopRule{}.walks);
 
   /// Whether the clock may end runs that nobody gave a time.
   [[nodiscard]] bool has_clock() const { return has_clock_; }
-  /// The effort of the next run. The time that the runs before it have left is shared by those to
-  /// come.
+  /// The effort of the next run. The runs to come share the time that the runs before them left.
   [[nodiscard]] StopRule next();
 
  private:

@@ -18,7 +18,7 @@ using KeyValues = std::vector<std::pair<std::string, std::string>>;
 struct ModelRequest {
   std::string name;
   KeyValues values;
-  /// Where values come from that were not given, by key ("stack", "fitted", ...), and why a default
+  /// The origin of values that were not given, by key ("stack", "fitted", ...), and why a default
   /// stands.
   std::map<std::string, std::string> sources{};
 };
@@ -27,7 +27,7 @@ struct ModelRequest {
 /// UsageError.
 [[nodiscard]] ModelRequest parse_model_request(const std::string& text);
 
-/// The same of words: the name, then one key=value each. Throws UsageError.
+/// The request of several words: the name, then one key=value each. Throws UsageError.
 [[nodiscard]] ModelRequest parse_model_words(const std::vector<std::string>& words);
 
 /// A model with its parameters fixed.
@@ -44,7 +44,7 @@ struct BoundModel {
 /// The shared objects that the models come from.
 [[nodiscard]] std::vector<std::filesystem::path> objects_of(const std::vector<BoundModel>& models);
 
-/// The same of requests, before anything is loaded.
+/// The shared objects of requests, before anything is loaded.
 [[nodiscard]] std::vector<std::filesystem::path> objects_among(
     const std::vector<ModelRequest>& requests);
 
@@ -53,7 +53,7 @@ struct BoundModel {
 void check_request(const ModelRequest& request);
 
 /// Builds a model from its name and key=value texts; `stack` serves models that need one. Throws
-/// UsageError that names the key, what was found and what is allowed.
+/// UsageError, which names the key, the value found and the values allowed.
 [[nodiscard]] BoundModel bind_model(const ModelRequest& request, const Stack* stack);
 
 /// The parameters that the request's model has, with those that its own choice of the selector
@@ -70,7 +70,8 @@ void check_request(const ModelRequest& request);
 
 /// "key = value (source)" of every parameter, in the model's order.
 [[nodiscard]] std::vector<std::string> told_parameters(const BoundModel& model);
-/// The same as lines of at most `width` columns, each after `indent` blanks and ended by '\n'.
+/// The parameters as lines of at most `width` columns, each after `indent` blanks and ended by
+/// '\n'.
 [[nodiscard]] std::string told_parameters(const BoundModel& model, int indent, int width = 100);
 
 /// The models' names; where one is there several times, with a number each: for files and columns.

@@ -10,7 +10,8 @@ namespace lamella {
 /// (report/page/source/numbers.js).
 [[nodiscard]] std::string percent_text(double share);
 
-/// The same for a column of a table, with two decimals below 100 %: "0.83 %", "41.70 %", "120 %".
+/// A share as percent for a column of a table, with two decimals below 100 %: "0.83 %", "41.70 %",
+/// "120 %".
 [[nodiscard]] std::string percent_cell(double share);
 
 /// A difference, with its sign: "+0.83 %".

@@ -15,11 +15,11 @@ struct RunMonitor {
   const StopFlag* stop = nullptr;
   /// How far walks have got, at every checkpoint. `label`: of the run, "theta_i 30".
   std::function<void(const std::string& label, const Progress&)> progress{};
-  /// What the solver is doing, every now and then.
+  /// The solver's progress, every now and then.
   SolverReport solver{};
-  /// A run is over, or, where `solver` is there, the solver's work.
+  /// Called at the end of a run and, if `solver` is set, at the end of the solver's work.
   std::function<void()> finished{};
-  /// One line where less was reached than was asked for, or where a setting means nothing.
+  /// One line where a run reached less than was asked for, or where a setting has no effect.
   std::function<void(const std::string& message)> warning{};
 
   [[nodiscard]] bool is_stopped() const { return is_set(stop); }

@@ -5,11 +5,11 @@
 
 namespace lamella {
 
-/// Seconds that the calling thread computed during one call: what other programs take from it does
-/// not count.
+/// Seconds of processor time of the calling thread during one call; time that other programs take
+/// does not count.
 [[nodiscard]] double seconds_of(const std::function<void()>& f);
 
-/// Seconds by the clock on the wall, for what runs in many threads.
+/// Seconds by the wall clock, for work in many threads.
 [[nodiscard]] double wall_seconds_of(const std::function<void()>& f);
 
 /// Seconds per repetition of two alternating programs.

@@ -6,7 +6,7 @@ namespace lamella {
 
 /// The stack with a substrate that reflects by a closed form (`bsdf = "eon"`), its parameters
 /// checked and completed, its law ready for walks. Other stacks come back as they are. Throws
-/// StackFileError with the substrate's place, what was found and what is allowed.
+/// StackFileError, which names the substrate's place, the value found and the values allowed.
 [[nodiscard]] Stack with_surface_model(Stack stack);
 
 }  // namespace lamella

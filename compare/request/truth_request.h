@@ -31,14 +31,15 @@ struct TruthRequest {
   std::vector<Direction> directions = default_directions();
   std::optional<Estimator> estimator{};  ///< nothing: `auto`, whichever suits the stack
   /// Walks per incident direction and what ends them earlier; `seconds` of the solver: in all.
-  /// Where `given` names none of it the clock ends walks, too (first_look.h).
+  /// Where `given` names none of these settings the clock ends walks, too (first_look.h).
   StopRule effort{.walks = 1000000, .target_error = {}, .seconds = {}};
-  WalkLimits limits{};  ///< where walks are cut and thinned; nothing: as the plan chooses
-  /// The settings above that were asked for by name: with the estimator left open they are a reason
-  /// for walks.
+  WalkLimits limits{};  ///< where walks are cut and thinned; empty: as the plan chooses
+  /// The settings above that were asked for by name; if the estimator is left open, each of them is
+  /// a reason for walks.
   std::vector<WalkSetting> given{};
   double tolerance = 1e-4;  ///< of the solver, relative to the mean over the azimuth
-  /// Of a run that is repeated: where the solver's refinement ended, be it by the clock.
+  /// Of a run that is repeated: the nodes and modes at which the solver's refinement ended, even if
+  /// the clock ended it.
   struct SolverEnd {
     int nodes;
     std::array<int, 3> modes;  ///< per colour channel

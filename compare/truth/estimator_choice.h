@@ -26,29 +26,31 @@ struct EstimatorChoice {
   }
 };
 
-/// What a truth is asked for: cells, which both solvers have, or f at pairs of directions, which
-/// only that of symmetric stacks has.
+/// Where a truth is asked for: on cells, for which there are both solvers, or at pairs of
+/// directions, for which there is only the solver of symmetric stacks.
 enum class TruthAt { cells, pairs };
 
-/// The estimator asked for, or what `auto` stands for: a walk where an option was given that only
-/// walks have a use for, or where the solver does not apply; else the deterministic solver, with
-/// few enough nodes and modes (which are the same on any machine) to be done in seconds, if it
-/// reaches the tolerance, or less than the walks would leave of an energy at best, or is
-/// interrupted on the way with what it has; else a walk. `of_walks`: the estimator of walks where
-/// none is named. `report` is told what the solver does. Throws UsageError where the solver is
-/// asked for and does not apply, NoAnswerError where it is asked for and has no answer.
+/// The estimator asked for, or the choice of `auto`. `auto` takes walks where an option was given
+/// that has a use for walks only, or where the solver does not apply. Else it tries the
+/// deterministic solver, with few enough nodes and modes (the same on any machine) to be done in
+/// seconds, and takes the solution if it reaches the tolerance, if its error is smaller than the
+/// error of an energy by walks at best, or if it is interrupted on the way. Else it takes walks.
+/// Cells of a stack that is not symmetric about the normal are solved in spherical harmonics,
+/// unless the stack scatters too narrowly. `of_walks`: the estimator of walks where none is named.
+/// `report` receives the solver's progress. Throws UsageError where the solver is asked for and
+/// does not apply, NoAnswerError where it is asked for and has no answer.
 [[nodiscard]] EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
                                                const StopFlag* stop,
                                                const SolverReport& report = {},
                                                TruthAt at = TruthAt::cells);
 
-/// Why walks answer better than these cells of a solution, if they do: the solution has no answer
-/// for a direction (volume/solver/answer_check.h), or its cells have larger bounds than walks would
-/// leave errors, and miss the tolerance.
+/// The reason why walks answer better than these cells of a solution, if they do: the solution has
+/// no answer for a direction (volume/solver/answer_check.h), or its cells miss the tolerance and
+/// have bounds above the errors of walks.
 [[nodiscard]] std::optional<std::string> why_walks_are_better(const std::vector<RunResult>& solved,
                                                               const TruthRequest& request);
 
-/// Throws NoAnswerError with one line: that reason, and what else is allowed.
+/// Throws NoAnswerError with one line: that reason, and the alternatives.
 [[noreturn]] void refuse_answer(const Stack& stack, const std::string& reason);
 
 /// A finer solution than the choice's, where cells miss a tolerance that the solver's probes met:

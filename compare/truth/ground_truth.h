@@ -14,7 +14,7 @@
 
 namespace lamella {
 
-/// What was found for one incident direction.
+/// The truth of one incident direction.
 struct Truth {
   RunResult run;
   /// The batches that `run` was reduced from: their scatter is its noise. None where the solver
@@ -22,7 +22,7 @@ struct Truth {
   std::unique_ptr<Simulation> batches;
 };
 
-/// Where the commands get their truth from, whichever estimator finds it: one per incident
+/// The source of truth for the commands, whichever estimator finds it: one truth per incident
 /// direction of a stack.
 class GroundTruth {
  public:
@@ -33,7 +33,7 @@ class GroundTruth {
   [[nodiscard]] const TruthRequest& request() const { return request_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] const std::vector<Direction>& directions() const { return request_.directions; }
-  /// Whether the monitor's flag is set: what is found is less than what was asked for.
+  /// Whether the monitor's flag is set: the truth is then less complete than what was asked for.
   [[nodiscard]] bool is_stopped() const { return monitor_.is_stopped(); }
   [[nodiscard]] const StopFlag* stop() const { return monitor_.stop; }
 
@@ -41,12 +41,12 @@ class GroundTruth {
   [[nodiscard]] const EstimatorChoice& choice();
   [[nodiscard]] Estimator estimator() { return choice().estimator; }
 
-  /// Whether the k-th direction is still to be had: the first always, all until the monitor stops,
-  /// and after it those that a solution answers, whichever nodes and modes it ended with.
+  /// Whether the k-th direction can still be found: the first always; all until the monitor stops;
+  /// after that, those that a solution answers, whichever nodes and modes it ended with.
   [[nodiscard]] bool goes_on(std::size_t k) const;
   /// The truth of the k-th direction. A stop ends a walk at the next checkpoint; so does the clock
-  /// where nothing was asked of their effort (FirstLook). Warns where less was reached than was
-  /// asked for. `walks`: of this direction, where they are not the request's: no clock ends them.
+  /// where no effort was asked for (FirstLook). Warns where a run reached less than was asked for.
+  /// `walks`: a number for this direction in the place of the request's; no clock ends these walks.
   [[nodiscard]] Truth find(std::size_t k, std::optional<std::uint64_t> walks = {});
 
  private:

@@ -7,11 +7,11 @@
 
 namespace lamella {
 
-/// Reflection without a preferred azimuth, tabulated by what varies slowly whether the lobe is wide
-/// or narrow: mu_o, and the half vector h = (w_i + w_o) / |w_i + w_o| by its polar angle alpha and
-/// its azimuth beta relative to w_o. A mirror's lobe of any roughness lies about alpha = 0 for
-/// every w_o (Rusinkiewicz 1998, "A new change of variables for efficient BRDF representation"), so
-/// that interpolation between two w_o moves the lobe instead of blending two.
+/// Reflection without a preferred azimuth, tabulated in coordinates in which a lobe varies slowly
+/// whether it is wide or narrow: mu_o, and the half vector h = (w_i + w_o) / |w_i + w_o| by its
+/// polar angle alpha and its azimuth beta relative to w_o. A mirror's lobe of any roughness lies
+/// about alpha = 0 for every w_o (Rusinkiewicz 1998, "A new change of variables for efficient BRDF
+/// representation"), so that interpolation between two w_o moves the lobe instead of blending two.
 ///
 /// alpha runs from 0 to alpha_max(mu_o, beta), where w_i reaches the horizon: the table has no
 /// corner without a direction. Its nodes crowd like t^3 at 0, where the first eight of them lie
@@ -39,7 +39,7 @@ class HalfVectorGrid {
   /// f at unit directions with cosines of at least kLeastMu.
   [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const { return towards(wo)(wi); }
 
-  /// f of one w_o: what lies between two nodes in mu_o is blended once, for many w_i.
+  /// f of one w_o: two nodes in mu_o are blended once, for many w_i.
   class Slice {
    public:
     [[nodiscard]] Rgb operator()(Direction wi) const;

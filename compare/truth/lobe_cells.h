@@ -8,8 +8,8 @@
 
 namespace lamella {
 
-/// f mu_i of one outgoing direction, integrated over the hemisphere of w_i on cells that are as
-/// small as the lobe is narrow.
+/// f mu_i of one outgoing direction, integrated over the hemisphere of w_i on cells that are small
+/// where the lobe is narrow.
 ///
 /// Domain: f the same for w_i and its mirror image in the plane of w_o and the normal (surfaces
 /// without a preferred azimuth), finite or growing like 1 / mu_i at most. Error: below
@@ -19,13 +19,13 @@ namespace lamella {
 /// Cells are rectangles in radius and azimuth of the half disc that Lambert's azimuthal projection
 /// makes of the hemisphere: radius sqrt(2) sin(theta_i / 2), equal areas for equal solid angles,
 /// shapes kept within 2 : 1. Cells about the mirror direction of w_o and about w_o itself are
-/// halved down to kSeedShare of mu_o before anything is concluded, so that a narrow peak there is
+/// halved down to kSeedShare of mu_o before any change is judged, so that a narrow peak there is
 /// found.
 struct LobeCells {
   struct Cell {
     double x, y, size;  ///< middle and longer side, in units of the disc's radius
-    /// What the cell's integral would be wrong by, were f taken from its middle and mu_i
-    /// integrated: the largest of the channels.
+    /// The error of the cell's integral if f were taken at its middle and mu_i integrated: the
+    /// largest of the channels.
     double middle_error;
   };
   Rgb energy;  ///< integral of f mu_i dw_i over the hemisphere

@@ -19,26 +19,26 @@ inline constexpr std::uint64_t kPreviewWalks = 10000;
 /// The reflection of a stack that is symmetric about z at any pair of directions, fast enough for a
 /// picture: exact single scattering plus an interpolated table of the other orders.
 ///
-/// The integral over the hemisphere is right where single values are not: the table is scaled, for
-/// every w_o, to the energy of the orders that it stands for, which solver and walks know better
-/// than any interpolation. Under uniform light a picture so shows the stack's directional albedo,
-/// within kLobeTolerance and what the energies' own errors are (source() tells them). For pictures:
+/// The integral over the hemisphere is accurate where single values are not: the table is scaled,
+/// for every w_o, to the energy of the orders that it stands for, which solver and walks know
+/// better than any interpolation. Under uniform light a picture thus shows the stack's directional
+/// albedo, within kLobeTolerance and the energies' own errors (source() has them). For pictures:
 /// the interpolation of single values has no stated bound, and deltas are left out.
 class LobeTable {
  public:
   /// f [1/sr], w_i and w_o above. Where both graze, the limit of mu = HalfVectorGrid::kLeastMu.
   [[nodiscard]] Rgb operator()(Direction wi, Direction wo) const { return towards(wo)(wi); }
 
-  /// The same as a function of w_i: the table is blended once per w_o. Must not outlive this
+  /// f of one w_o as a function of w_i: the table is blended once per w_o. Must not outlive this
   /// object.
   [[nodiscard]] std::function<Rgb(Direction wi)> towards(Direction wo) const;
 
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
 
-  /// By adding and doubling where that applies and comes near enough (the estimator `auto`), else
-  /// by as many next-event walks per outgoing node as are asked for. For stacks that
-  /// `check_preview` lets pass.
+  /// By adding and doubling where the solver applies and reaches a small enough error (the
+  /// estimator `auto`), else by as many next-event walks per outgoing node as are asked for. For
+  /// stacks that `check_preview` lets pass.
   [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop,
                                       const SolverReport& report = {});
 
@@ -62,8 +62,8 @@ class LobeTable {
   std::string source_;
 };
 
-/// Throws UsageError, naming `what` asked for it, for a stack whose reflection no such table holds:
-/// one that is not symmetric about z, is explicit geometry or has a grid.
+/// Throws UsageError, which names `what` asked for the table, for a stack whose reflection the
+/// table cannot hold: one that is not symmetric about z, is explicit geometry or has a grid.
 void check_preview(const std::string& what, const Stack& stack);
 
 }  // namespace lamella

@@ -18,8 +18,8 @@ namespace lamella {
 struct TruthValue {
   Rgb f, standard_error;
   std::uint64_t walks = 0;  ///< that found it; 0: the solver did
-  /// Per channel, the energy of the walks that were cut, of the light that came in. Where it would
-  /// have gone nobody knows (judge/missing_light.h).
+  /// Per channel, the energy of the walks that were cut, as a share of the light that came in. The
+  /// direction and order that it would have left in are unknown (judge/missing_light.h).
   std::array<Estimate, 3> unresolved{};
 };
 
@@ -28,23 +28,23 @@ struct TruthValue {
 /// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
 /// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
 /// The walks are on lanes of the plan's set where these have a kernel for the stack.
-/// `stop`, once set, ends each simulation at its next checkpoint; `seconds`: of all of them, at
-/// whose end they have fewer walks.
+/// `stop`, once set, ends each simulation at its next checkpoint; `seconds`, of all simulations
+/// together, ends them with fewer walks.
 [[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                                const std::vector<DirectionPair>& pairs,
                                                std::uint64_t walks, std::uint64_t seed,
                                                const StopFlag* stop = nullptr,
                                                std::optional<double> seconds = {});
 
-/// The same from a solved stack: order 1 in closed form, the others from its modes at each pair's
-/// own cosines. standard_error is each pair's error bound.
-/// `report`, where there is one, is told after each pair.
+/// The truth at each pair from a solved stack: order 1 in closed form, the others from its modes at
+/// each pair's own cosines. standard_error is each pair's error bound. `report`, where there is
+/// one, is told after each pair.
 [[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
                                                const std::vector<DirectionPair>& pairs,
                                                const SolverReport& report = {});
 
-/// Why the solver's values are no answer, if they are none: a value or a bound that is not finite,
-/// or a value that is below 0 by more than its bound.
+/// The reason why the solver's values are no answer, if they are none: a value or a bound that is
+/// not finite, or a value that is below 0 by more than its bound.
 [[nodiscard]] std::optional<std::string> why_no_answer(const std::vector<TruthValue>& values);
 
 }  // namespace lamella

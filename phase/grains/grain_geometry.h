@@ -19,12 +19,12 @@ enum class GrainPlacement {
   micrograins         ///< upper halves of ellipsoids on the plane z = 0, centres a Poisson process
 };
 
-/// What light does at a grain.
+/// How a grain reflects.
 enum class GrainSurface {
   lambert,     ///< Lambert's law
   mirror,      ///< mirrored, with Schlick's factor of f0
   dielectric,  ///< Fresnel's reflection over a Lambertian base
-  conductor    ///< as mirror: what micrograins call it
+  conductor    ///< a mirror, by the name that micrograins have for it
 };
 
 /// Explicit micro-geometry that stands alone on a stack's substrate: grains in a square tile that
@@ -48,16 +48,16 @@ struct GrainGeometry {
 
   [[nodiscard]] bool is_bed() const { return placement != GrainPlacement::micrograins; }
   /// The power of two next below the radius [mm], and the same geometry with lengths in that unit:
-  /// its radius lies in [1, 2), so that squares and cubes of lengths are numbers at any radius, and
-  /// what is computed in it is, bit by bit, what would be in mm.
+  /// its radius lies in [1, 2), so that squares and cubes of lengths are finite and not 0 at any
+  /// radius. Results in this unit are the same, bit by bit, at radii that differ by powers of two.
   [[nodiscard]] double length_unit() const;
   [[nodiscard]] GrainGeometry in_units() const;
   /// Centres per volume [1/mm^3] of a bed, per area [1/mm^2] of micrograins.
   [[nodiscard]] double number_density() const;
   /// Mean number of grains in a tile.
   [[nodiscard]] double expected_count() const;
-  /// Height of the box that a packed bed is packed in: of a cut one it is periodic and taller by
-  /// eight radii, beyond which centres know nothing of each other.
+  /// Height of the box that a packed bed is packed in. The box of a cut bed is periodic and taller
+  /// by eight radii, a distance at which centres are no longer correlated.
   [[nodiscard]] double packed_height() const { return cut ? thickness + 8 * radius : thickness; }
   /// Heights between which light meets grains: it enters at `top`.
   [[nodiscard]] double top() const { return is_bed() ? radius : beta * radius; }
@@ -74,8 +74,8 @@ struct PackingError : std::runtime_error {
 
 /// Centres of the grains of one realisation, x and y in [0, tile). The same for equal arguments.
 /// Poisson placements: their number is Poisson's, and beds come sorted from the top. Packed beds:
-/// as many as the packing says (of cut ones: in the taller box), a fraction decided at random.
-/// Throws PackingError.
+/// the number that the packing asks for (cut beds: in the taller box), its fraction rounded up or
+/// down at random. Throws PackingError.
 [[nodiscard]] std::vector<Direction> place_grains(const GrainGeometry& geometry, std::uint64_t seed,
                                                   std::uint64_t realisation);
 

@@ -15,7 +15,7 @@ namespace lamella {
 struct Dielectric {
   Facets facets{};                  ///< facets.shape smooth: their other numbers have no meaning
   Masking masking = Masking::beta;  ///< of single scattering
-  bool multiple = false;            ///< light goes on between the facets, as Smith's model has it
+  bool multiple = false;            ///< light scatters on between the facets (Smith's model)
   double above = 1, below = 1;      ///< indices of refraction, in [0.1, 10]
 
   struct Scattered {
@@ -29,7 +29,7 @@ struct Dielectric {
   /// Index on the side of w.
   [[nodiscard]] double index(Direction w) const { return w.z > 0 ? above : below; }
 
-  /// Smooth: what the boundary does to light from w.
+  /// Smooth: reflectance and refracted cosine of light from w.
   [[nodiscard]] Refraction<double> smooth_refraction(Direction w) const {
     return refraction(std::abs(w.z), ratio(w));
   }
@@ -40,7 +40,8 @@ struct Dielectric {
   /// Walter et al. 2007, eqs. 20 and 21. One cosine may be 0, taken as its limit.
   [[nodiscard]] double single(Direction wi, Direction wo) const;
   /// The density [1/sr] with which scatter(w_i) gives w_o in single scattering; its `kept` is then
-  /// G_2 / G_1(w_i). The integral over w_o falls short of 1 by what goes to the wrong side.
+  /// G_2 / G_1(w_i). The integral over w_o falls short of 1 by the share of samples on the wrong
+  /// side.
   [[nodiscard]] double single_density(Direction wi, Direction wo) const;
 
   /// f(w_i, w_o): single(w_i, w_o), or of `multiple` an estimate whose mean is f.
@@ -48,11 +49,11 @@ struct Dielectric {
     return multiple ? multiple_estimate(wi, wo, stream) : single(wi, wo);
   }
 
-  /// Where one ray of light from w_i goes, by Fresnel's shares.
+  /// One ray of light from w_i, reflected or refracted with Fresnel's probabilities.
   [[nodiscard]] Scattered scatter(Direction wi, RandomStream& stream) const;
 
-  /// Where light from w_i goes if it is refracted, `kept` being its share of the light: Fresnel's
-  /// share is in it rather than left to chance, except in multiple scattering.
+  /// The direction of light from w_i that is refracted. `kept` is its share of the light: it
+  /// contains Fresnel's transmittance, except in multiple scattering, where chance decides.
   [[nodiscard]] Scattered enter(Direction wi, RandomStream& stream) const;
 
   friend bool operator==(const Dielectric&, const Dielectric&) = default;

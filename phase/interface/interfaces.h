@@ -11,8 +11,8 @@
 
 namespace lamella {
 
-/// A boundary between two dielectrics, an entry of the list of layers without thickness: how its
-/// surface is, and the index of what lies below it. What lies above gives the other index.
+/// A boundary between two dielectrics, an entry of the list of layers without thickness: its
+/// surface, and the index of the medium below it. The medium above gives the other index.
 struct Interface {
   Facets facets{.shape = FacetShape::smooth};
   Masking masking = Masking::beta;

@@ -2,8 +2,8 @@
 
 // Lanes: as many numbers as one instruction works on. Only for sources that lamella_lanes() in the
 // top CMakeLists.txt compiles once per instruction set, which defines LAMELLA_ISA as the set's
-// name: everything here, and whatever such a source instantiates with these types, then has that
-// name in its symbol, and the linker cannot take a wide copy for a narrow machine. Such a source
+// name: everything here, and every template that the source instantiates with these types, then has
+// that name in its symbol, and the linker cannot take a wide copy for a narrow machine. The source
 // must use nothing of the standard library that is not a template over these types (a test reads
 // its symbols). See phase/README.md.
 
@@ -223,8 +223,8 @@ LAMELLA_INLINE Lane<T> permute(Lane<T> a, Words index) {
 
 #if HWY_TARGET != HWY_AVX3
 namespace detail {
-// For each set of lanes: how many of them are below each lane, and which they are. Highway's own
-// Compress copies its table to the stack at every use.
+// For each set of chosen lanes: how many chosen lanes are below each lane, and which they are.
+// Highway's own Compress copies its table to the stack at every use.
 struct LaneTables {
   std::uint8_t rank[1 << Floats::kCount][8], chosen[1 << Floats::kCount][8];
 };

@@ -9,8 +9,8 @@
 
 namespace lamella {
 
-/// Two clamped cosines <w_i, m> <w_o, m>, integrated over the azimuth of m about an axis: what a
-/// distribution of Lambertian normals that is symmetric about that axis needs.
+/// Two clamped cosines <w_i, m> <w_o, m>, integrated over the azimuth of m about an axis: the
+/// integrand of Lambertian flakes whose normals are distributed symmetrically about that axis.
 class ClampedCosines {
  public:
   ClampedCosines(Direction wi, Direction wo, Direction axis);
@@ -30,8 +30,9 @@ class ClampedCosines {
 };
 
 /// Integral of f over [from, to], split at those `breaks` that lie inside: Gauss-Legendre on each
-/// panel after t^2 (3 - 2 t), which makes square-root ends smooth. For f that is analytic between
-/// the breaks but for such ends, and varies by no more than a few factors of e between neighbours.
+/// panel after t^2 (3 - 2 t), which makes square-root ends smooth. f must be analytic between the
+/// breaks, except for square-root ends, and vary by no more than a few factors of e between
+/// neighbouring breaks.
 template <class F>
 [[nodiscard]] double integrate_panels(const F& f, double from, double to,
                                       std::vector<double> breaks) {

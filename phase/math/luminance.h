@@ -10,7 +10,7 @@ namespace lamella {
 /// Weights of linear red, green and blue in the luminance Y: ITU-R BT.709-6, item 3.2. They sum to
 /// 1, so that grey keeps its value.
 inline constexpr std::array<double, 3> kLuminanceWeights{0.2126, 0.7152, 0.0722};
-/// What a number of a colour is called wherever one stands for all three channels.
+/// The name of the one number that stands for all three channels of a colour.
 inline constexpr const char* kLuminanceName = "luminance (Rec. 709)";
 
 /// The one number that stands for a colour: in tables, pages and pictures. Linear, in the unit of
@@ -19,8 +19,8 @@ inline constexpr const char* kLuminanceName = "luminance (Rec. 709)";
   return kLuminanceWeights[0] * c.r + kLuminanceWeights[1] * c.g + kLuminanceWeights[2] * c.b;
 }
 
-/// The same of a list of channels: of three, or the value itself of one. Standard errors, which
-/// channels that share walks have in common, and error bounds are combined in the same way.
+/// The luminance of a list of three channels, or the value itself of one channel. Standard errors,
+/// which channels that share walks have in common, and error bounds are combined in the same way.
 [[nodiscard]] constexpr double luminance(std::span<const double> channels) {
   return channels.size() == 1 ? channels[0] : luminance(Rgb(channels[0], channels[1], channels[2]));
 }

@@ -2,8 +2,8 @@
 
 // What formulas use besides + - * /, for double; phase/lanes/lanes.h has the same names for lanes.
 // A formula that is a template over its number type and has `select` for branches is then written
-// once: its double is the reference, its lanes are what is fast. Nothing here is emitted as a
-// function of its own, so that sources of lamella_lanes() may read it.
+// once: its double is the reference, its lanes are fast. Everything here is inlined and leaves no
+// function of its own in the object, so that sources of lamella_lanes() may include it.
 
 #include <cmath>
 #include <concepts>
@@ -116,8 +116,8 @@ LAMELLA_INLINE std::uint32_t shift_right(std::uint32_t a) {
   return a >> n;
 }
 
-/// The place of the highest bit of a word from 1 to 2^24, and the word that has no other, the place
-/// being at most 30.
+/// The place of the highest bit of a word from 1 to 2^24; and the word whose only bit is at a
+/// place, at most 30.
 LAMELLA_INLINE std::uint32_t highest_bit(std::uint32_t a) {
   return 31u - static_cast<std::uint32_t>(__builtin_clz(a));
 }

@@ -49,7 +49,7 @@ template <class Real>
                                  polar.cosine * axis.z - flat});
 }
 
-/// The same by the polar angle's cosine alone.
+/// The same direction, by the polar angle's cosine alone.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> deflect(Vec3<Real> axis, Real cosine,
                                                             SineCosine<Real> azimuth) {

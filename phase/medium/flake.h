@@ -28,7 +28,7 @@ concept NormalDistribution = std::equality_comparable<N> &&
   { ndf.largest_mirror_phase() } -> std::same_as<double>;
 };
 
-/// What flakes of either surface answer alike.
+/// The traits that mirror flakes and Lambertian flakes have in common.
 template <class Ndf>
 [[nodiscard]] MediumTraits flake_traits(const Ndf& ndf, PhaseShape shape) {
   return {.two_sided = ndf.is_two_sided(),

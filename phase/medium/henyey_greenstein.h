@@ -9,10 +9,10 @@ namespace lamella {
 
 /// Particles with the Henyey-Greenstein phase function, g in (-1, 1). sigma = 1.
 ///
-/// A peak of width 1 - |g| is seen through the cosine's rounding, up to 2e-15 / (1 - |g|)^2 of it.
-/// Beyond kNarrowPeak the difference of the directions takes the cosine's place,
-/// |w_o + w_i|^2 / 2 = 1 - cosine: what is left is the rounding of the directions' lengths, up to
-/// 1.4e-15 / (1 - |g|). A test holds both bounds against 60 digits.
+/// The rounding of the cosine changes a peak of width 1 - |g| by a relative error of up to 2e-15 /
+/// (1 - |g|)^2. Peaks narrower than kNarrowPeak use the sum of the directions instead of the
+/// cosine, |w_o + w_i|^2 / 2 = 1 - cosine; the remaining error is the rounding of the directions'
+/// lengths, up to 1.4e-15 / (1 - |g|). A test holds both bounds against 60 digits.
 struct HenyeyGreenstein {
   static constexpr double kNarrowPeak = 1e-3;  ///< 1 - |g|
   double g = 0;

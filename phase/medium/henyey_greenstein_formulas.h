@@ -17,8 +17,9 @@ template <class Real>
   return divide((Real(1) - g) * (Real(1) + g), Real(4 * kPi) * base * sqrt(base));
 }
 
-/// The same by the cosine of the deflection, in [-1, 1]. Its rounding counts for |g| near 1: a
-/// relative error of up to 2e-15 / (1 - |g|)^2 at the peak in double.
+/// The Henyey-Greenstein phase function by the cosine of the deflection, in [-1, 1]. The cosine's
+/// rounding counts for |g| near 1: a relative error of up to 2e-15 / (1 - |g|)^2 at the peak in
+/// double.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Real henyey_greenstein_phase(Real g, Real cosine) {
   const Real c = select(g < Real(0), -cosine, cosine);

@@ -20,7 +20,7 @@ struct LambertEvent {
   }
 };
 
-/// What a horizontal Lambertian substrate does to light.
+/// The event at a horizontal white Lambertian substrate.
 inline constexpr LambertEvent kLambertSubstrate{{0, 0, 1}};
 
 /// Radiance that a white Lambertian surface returns under that irradiance: its density over the

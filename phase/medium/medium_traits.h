@@ -12,8 +12,8 @@ struct Required {
   operator T() const { return value; }
 };
 
-/// How a phase function falls off about the direction straight on, w_o = -w_i: what the
-/// deterministic solver must know before it expands it.
+/// The shape of a phase function about the direction straight on, w_o = -w_i: the deterministic
+/// solver must know it before it expands the phase function.
 enum class PhaseShape {
   smooth,   ///< nowhere steep beyond what mean_cosine says
   jump,     ///< bounded, but its value at w_o = -w_i depends on the way there (mirror flakes)
@@ -33,7 +33,7 @@ struct MediumTraits {
   Required<Direction> mean_normal;
   Required<PhaseShape> shape;
   /// Mean cosine of the deflection where the phase function has a peak, forward (> 0) or backward
-  /// (< 0), that nodes and long walks must be fitted to; 0 where it has none.
+  /// (< 0), to which nodes and long walks must be fitted; 0 where it has none.
   Required<double> mean_cosine;
 };
 

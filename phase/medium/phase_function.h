@@ -9,7 +9,7 @@
 namespace lamella {
 
 /// Value of a phase function: density of leaving along w_o [1/sr] and the Schlick weight
-/// (1 - cos)^5 of the flake that does it (0 where the medium has no Fresnel factor).
+/// (1 - cos)^5 of the flake that scatters (0 where the medium has no Fresnel factor).
 struct PhaseValue {
   double density = 0;
   double schlick = 0;
@@ -35,7 +35,8 @@ concept ScatteringEvent = requires(const E event, Direction wo, RandomStream& st
 ///   phase(wi, wo): p(w_i -> w_o) [1/sr], exact (closed form or quadrature); integral over w_o
 ///   is 1. collide(wi, stream): an event for light that arrived from w_i; sigma(wi) must be
 ///   positive. is_delta(): the phase function is a delta, which `phase` and `density` leave out
-///   (0). traits(): what other rooms ask besides. largest_density(): an upper bound of p [1/sr],
+/// (0). traits(): the other questions of other rooms. largest_density(): an upper bound of p
+/// [1/sr],
 ///   within a factor of about 2 where lanes are to walk in the medium. ==: same kind, same numbers.
 template <class M>
 concept ScatteringMedium = std::equality_comparable<M> &&

@@ -74,8 +74,8 @@ template <class Real>
   return normalized(a.apply(select(dot(u, u) > Real(0), u, v)));
 }
 
-/// Along such a normal, of any length, from a uniform point of the sphere. A: SggxMatrix or
-/// another that has its members.
+/// A vector of any length along a normal visible from w, from a uniform point of the sphere. A:
+/// SggxMatrix or another that has its members.
 template <class Real, class A>
 [[nodiscard, gnu::always_inline]] inline Vec3<Real> along_visible_normal(const A& a, Vec3<Real> w,
                                                                          Vec3<Real> point) {

@@ -6,9 +6,9 @@ namespace lamella {
 
 /// Visible normals of flakes whose distribution D is symmetric about `axis`, as two proposals: the
 /// projected cosine m.w = u z + s x (x along the tangent, z along the axis) is at most
-/// |u| <sign(u) z> + s <x>, and D(m) times each of these can be sampled. What a proposal is taken
-/// with is the projected cosine over that bound. front, back, side: sigma(1), sigma(-1), sigma(0),
-/// the integrals of the proposals.
+/// |u| <sign(u) z> + s <x>, and D(m) times each of these can be sampled. A proposal is accepted
+/// with the probability of the projected cosine over that bound. front, back, side: sigma(1),
+/// sigma(-1), sigma(0), the integrals of the proposals.
 template <class Real>
 struct VisibleNormalMixture {
   Real front, back, side;
@@ -24,7 +24,7 @@ struct VisibleNormalMixture {
   }
 };
 
-/// Whether the normal m, in the frame (tangent, binormal, axis), is taken, by a uniform number.
+/// Whether the normal m, in the frame (tangent, binormal, axis), is accepted, by a uniform number.
 template <class Real>
 [[nodiscard]] LAMELLA_INLINE auto takes_visible_normal(Real u, Real s, Vec3<Real> m, Real uniform) {
   using std::abs;

@@ -17,8 +17,8 @@ namespace lamella {
 /// one_or_two: a number, or two that differ along x and along y.
 enum class ParameterKind { number, color, vector, matrix, choice, one_or_two };
 
-/// What a medium or a model says of one of its parameters: enough to read it, to check it, to echo
-/// it and to print its documentation.
+/// The description of a parameter of a medium or a model: enough to read, check and echo the
+/// parameter and to print its documentation.
 struct ParameterInfo {
   std::string name;
   ParameterKind kind = ParameterKind::number;

@@ -17,9 +17,10 @@ LAMELLA_INLINE std::uint32_t rotate_left(std::uint32_t a) {
 }
 
 /// The numbers of one walk: xoshiro128+ (Blackman and Vigna 2021, "Scrambled linear pseudorandom
-/// number generators"), its state a block of the counter-based generator: the numbers of a walk are
-/// those of (seed, walk), for fewer instructions per word than blocks of that generator. The lowest
-/// bits of its words are linear in the state; the numbers below round them away.
+/// number generators"), with a block of the counter-based generator as state: the numbers of a walk
+/// depend on (seed, walk) alone, and a word takes fewer instructions than one of the counter-based
+/// generator. The lowest bits of xoshiro's words are linear in the state; the numbers below round
+/// them away.
 template <class Words>
 struct WalkNumbers {
   Words s[4];

@@ -40,7 +40,7 @@ class RandomStream {
   /// Uniform in (0, 1), a multiple of 2^-33 that is never 0 and never 1.
   [[nodiscard, gnu::always_inline]] double uniform() { return (bits() + 0.5) * 0x1p-32; }
 
-  /// Four uniforms at once: a block of their own, so that none is looked for in the last one.
+  /// Four uniforms at once, a whole block: words left over from the block before are not used.
   [[nodiscard, gnu::always_inline]] std::array<double, 4> four_uniforms() {
     const auto block = next_block();
     return {(block.v[0] + 0.5) * 0x1p-32, (block.v[1] + 0.5) * 0x1p-32,

@@ -22,8 +22,8 @@ struct SingleScattering {
 ///   plus f_sub exp(-tau_i - tau_o) through all layers.
 /// w_i, w_o: unit, point away from the stack; mu = 0 is the limit from above, at most one of the
 /// two. Wang et al. 2022, "SpongeCake", eqs. 8-16 for any medium and side. Delta transmission and
-/// the mirror image of delta flakes are apart. Relative error below 1e-12, where p is a closed
-/// form, for depths from 0 to infinity.
+/// the mirror image of delta flakes are not included. Relative error below 1e-12, where p is a
+/// closed form, for depths from 0 to infinity.
 [[nodiscard]] SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo);
 
 }  // namespace lamella

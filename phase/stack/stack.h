@@ -18,8 +18,8 @@ namespace lamella {
 inline constexpr std::array<const char*, 4> kGridNameKeys{"density_grid", "orientation_grid",
                                                           "roughness_grid", "albedo_grid"};
 
-/// What a stack file says of the grid that varies a layer's density. Its voxels are volume's
-/// (density_grid.h); here it is a name and a size.
+/// The grid that varies a layer's density, as a stack file names it. Its voxels belong to volume
+/// (density_grid.h); here the grid is a name and a size.
 struct GridReference {
   std::string file;    ///< .vdb file as the stack file has it, or "builtin:" and a name
   std::string folder;  ///< what a relative file name starts from; empty: working directory
@@ -28,7 +28,8 @@ struct GridReference {
   /// Names of the file's grids where they are not "density", "orientation", "roughness", "albedo":
   /// of the keys kGridNameKeys, in that order. Empty: that name, and only density must be there.
   std::array<std::string, 4> names{};
-  /// The tile in voxels of the file, from first_voxel on; without: volume/README.md says what.
+  /// The tile in voxels of the file, from first_voxel on. Without it the tile is as
+  /// volume/README.md, "The tile", says.
   std::optional<std::array<int, 3>> voxels{};
   std::array<int, 3> first_voxel{};
   std::string where;  ///< "cloth.toml:5: layer 0", for errors
@@ -71,7 +72,7 @@ struct Substrate {
   [[nodiscard]] bool is_grey() const;
 };
 
-/// Layers from the top down, and what lies below.
+/// Layers from the top down, and the substrate.
 struct Stack {
   std::string name;
   std::vector<Layer> layers;
@@ -79,16 +80,17 @@ struct Stack {
 
   /// The explicit geometry that the stack consists of, or nullptr if it is made of layers.
   [[nodiscard]] const GrainGeometry* grains() const;
-  /// Throws std::invalid_argument if the stack is explicit geometry: `what` has no meaning then.
+  /// Throws std::invalid_argument, which names `what`, if the stack is explicit geometry.
   void require_layers(const char* what) const;
   /// Whether the light meets boundaries that a walk through layers alone does not know: interfaces
   /// that change the index, or a substrate that is neither Lambert's nor black.
   [[nodiscard]] bool has_boundaries() const;
   /// Whether an interface changes the index.
   [[nodiscard]] bool has_interfaces() const;
-  /// Whether one that changes it is rough: then light that met interfaces alone is no delta.
+  /// Whether an interface that changes the index is rough: then light that met interfaces alone is
+  /// no delta.
   [[nodiscard]] bool has_rough_interfaces() const;
-  /// Index of refraction of a layer; of layers.size(): of what lies below them all.
+  /// Index of refraction of a layer; for layers.size(): of the medium below them all.
   [[nodiscard]] double index_of(std::size_t layer) const;
   [[nodiscard]] bool is_half_space() const;
   /// Whether light can come from below, and leave there.
@@ -101,8 +103,8 @@ struct Stack {
   /// Whether every rotation about z leaves the stack as it is; no stack with a grid is taken so.
   [[nodiscard]] bool is_symmetric_about_z() const;
   /// Whether global reciprocity is known to hold: every one-sided layer has a vertical mean normal
-  /// and no grid (along two paths between the same points the density differs), and no closed form,
-  /// which may break it, is the substrate. Across interfaces it is that of f / n^2.
+  /// and no grid (along two paths between the same points the density differs), and the substrate
+  /// is no closed form, which may break reciprocity. Across interfaces f / n^2 is reciprocal.
   [[nodiscard]] bool is_reciprocal() const;
   /// Sum over layers of depth times the z part of the mean normal: transmission from above is
   /// exp(-this) times transmission from below along the reversed pair.
@@ -112,15 +114,15 @@ struct Stack {
   [[nodiscard]] double uncollided(Direction w) const;
 };
 
-/// Throws std::invalid_argument if a grid varies a layer of the stack: `what` knows homogeneous
-/// layers only.
+/// Throws std::invalid_argument if a grid varies a layer of the stack: `what`, named in the
+/// message, knows homogeneous layers only.
 void refuse_grid(const Stack& stack, const std::string& what);
 
-/// Throws std::invalid_argument if the stack has boundaries: `what` knows layers over Lambert's
-/// substrate or none.
+/// Throws std::invalid_argument if the stack has boundaries: `what`, named in the message, knows
+/// layers over a Lambertian substrate or none.
 void refuse_boundaries(const Stack& stack, const std::string& what);
 
-/// Same layers with every albedo, substrate albedo and f0 at 1: what a white furnace wants.
+/// The same layers with every albedo, substrate albedo and f0 at 1, for white furnaces.
 [[nodiscard]] Stack whitened(Stack stack);
 
 }  // namespace lamella

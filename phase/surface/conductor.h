@@ -6,10 +6,10 @@
 namespace lamella {
 
 /// A conductor: Fresnel reflection at a smooth surface or at the facets of a rough one, in single
-/// scattering (which loses what facets hide) or with every reflection between facets.
+/// scattering (which loses the light that facets hide) or with every reflection between facets.
 class Conductor : public SurfaceLaw {
  public:
-  /// facets: shape smooth, or rough; eta + i k: the complex index relative to what lies on the
+  /// facets: shape smooth, or rough; eta + i k: the complex index relative to the medium on the
   /// surface, per channel, eta > 0, k >= 0. white: reflects everything, whatever the index.
   struct Setting {
     Facets facets{};
@@ -26,7 +26,7 @@ class Conductor : public SurfaceLaw {
   [[nodiscard]] Rgb reflectance(double cosine) const;
   /// f of single scattering [1/sr]; one cosine may be 0, taken as its limit.
   [[nodiscard]] Rgb single(Direction wi, Direction wo) const;
-  /// The density [1/sr] of sample() in single scattering; what goes below the surface is missing.
+  /// The density [1/sr] of sample() in single scattering; samples below the surface are missing.
   [[nodiscard]] double single_density(Direction wi, Direction wo) const;
 
   [[nodiscard]] Rgb eval(Direction wi, Direction wo, RandomStream& stream) const override;

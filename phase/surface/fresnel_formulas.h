@@ -4,8 +4,8 @@
 
 namespace lamella {
 
-/// What a smooth boundary does to unpolarised light: the share that it reflects, and the cosine of
-/// the refracted direction; reflectance 1 and cosine 0 at total reflection.
+/// Reflectance of unpolarised light at a smooth boundary, and the cosine of the refracted
+/// direction; reflectance 1 and cosine 0 at total reflection.
 template <class Real>
 struct Refraction {
   Real reflectance, cosine;
@@ -14,7 +14,7 @@ struct Refraction {
 /// Fresnel's equations and Snell's law for light that arrives at a cosine in [0, 1]. ratio: the
 /// index of refraction beyond the boundary over that on this side, > 0. Neither a ratio near 1 nor
 /// an angle near the critical one loses digits to a difference: in double the error is that of the
-/// cosine, 2e-16 absolute, times what Fresnel's equations make of it.
+/// cosine, 2e-16 absolute, times the derivative of Fresnel's equations.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Refraction<Real> refraction(Real cosine, Real ratio) {
   using std::sqrt;
@@ -29,8 +29,8 @@ template <class Real>
 }
 
 /// Fresnel's reflectance of unpolarised light at a conductor of complex index eta + i k relative to
-/// what lies on it; cosine of incidence in [0, 1], eta > 0, k >= 0.
-/// Born and Wolf, Principles of Optics, chapter 14.2.
+/// the medium on it; cosine of incidence in [0, 1], eta > 0, k >= 0. Born and Wolf, Principles of
+/// Optics, chapter 14.2.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Real conductor_reflectance(Real cosine, Real eta, Real k) {
   using std::sqrt;

@@ -13,8 +13,8 @@ enum class FacetShape { smooth, ggx, beckmann };
 [[nodiscard]] std::string_view to_text(FacetShape shape);
 [[nodiscard]] FacetShape facet_shape_from(std::string_view word);
 
-/// How facets hide each other, of those in use (Masking::beta is what a Smith surface does whose
-/// heights are shared by both directions).
+/// How facets hide each other: the terms in use. Masking::beta is that of a Smith surface whose
+/// heights both directions share.
 enum class Masking {
   beta,        ///< reflection 1 / (1 + L_i + L_o), transmission B(1 + L_i, 1 + L_o)
   correlated,  ///< 1 / (1 + L_i + L_o) for both (pbrt)
@@ -29,8 +29,8 @@ struct Facets {
   FacetShape shape = FacetShape::ggx;
   double alpha_x = 1, alpha_y = 1;
 
-  /// What the facets show to w per unit of the macroscopic surface: w.z (1 + Lambda(w)) above the
-  /// surface, |w.z| Lambda(-w) below it, so that area(w) - area(-w) = w.z.
+  /// Projected area of the facets that face w, per unit of the macroscopic surface: w.z (1 +
+  /// Lambda(w)) above the surface, |w.z| Lambda(-w) below it, so that area(w) - area(-w) = w.z.
   [[nodiscard]] double area(Direction w) const;
   /// D(m) [1/sr]: the integral of D(m) m.z dm is 1.
   [[nodiscard]] double density(Direction m) const;
@@ -43,7 +43,7 @@ struct Facets {
   /// surface: give directions below it with their z turned.
   [[nodiscard]] double shadowing(Masking masking, bool transmission, Direction wi,
                                  Direction wo) const;
-  /// G_2 / G_1(w_i): what of the light that met a visible facet leaves along w_o.
+  /// G_2 / G_1(w_i): the share of the light reflected along w_o at a visible facet that leaves.
   [[nodiscard]] double passes(Masking masking, bool transmission, Direction wi, Direction wo) const;
 
   friend bool operator==(const Facets&, const Facets&) = default;

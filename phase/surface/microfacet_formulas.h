@@ -5,9 +5,9 @@
 namespace lamella {
 
 /// The normals of a GGX height field, roughness alpha along x and y. Like flakes that face one side
-/// only: area(w) is what the facets show to w per unit of the macroscopic surface, for w above the
-/// surface and below it, area(w) - area(-w) = w.z.
-/// Walter et al. 2007, "Microfacet models for refraction through rough surfaces".
+/// only: area(w) is the projected area of the facets that face w, per unit of the macroscopic
+/// surface, for w above the surface and below it, area(w) - area(-w) = w.z. Walter et al. 2007,
+/// "Microfacet models for refraction through rough surfaces".
 template <class Real>
 struct GgxFacets {
   Real alpha_x, alpha_y;

@@ -16,8 +16,8 @@ class SurfaceLaw {
   struct Sample {
     Direction wo;
     Rgb weight;  ///< f(w_i, w_o) mu_o over the density of w_o: its mean is the directional albedo
-    /// What the law neither reflects nor absorbs: shadow of single scattering. It is `lost` in the
-    /// ledger; what is missing from weight + lost is absorbed.
+    /// The light that the law neither reflects nor absorbs, in the shadow of single scattering. It
+    /// is `lost` in the ledger; the rest, 1 - weight - lost, is absorbed.
     Rgb lost{};
   };
 

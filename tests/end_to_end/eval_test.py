@@ -105,8 +105,8 @@ class EvalAnswersInCsv(ProgramTest):
         self.assertEqual(columns, ["f", "se"])
         _, exact = self.eval("single_scattering", "stack=sggx_slab", rows=rows)
         for (value, error), (f,) in zip(truth, exact):
-            # Five values of 4000 walks, whose standard errors are some percent. What is given as the
-            # error has the light of the walks that were cut, spread over one side, besides.
+            # Five values of 4000 walks, whose standard errors are some percent. What is given as
+            # the error has the light of the walks that were cut, spread over one side, besides.
             self.assertLess(abs(value - f), 0.2 * f)
             self.assertTrue(0.01 < error < 1 / math.pi)
         columns, _ = self.eval("truth", "stack=vmf_sand", "walks=200")

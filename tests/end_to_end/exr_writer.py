@@ -8,8 +8,8 @@ def constant(width, height, value):
 
 
 class Part:
-    """channels: {name: rows of numbers}, as many as the data window has pixels. Windows are (left, top,
-    right, bottom), both ends inside; without them the channels' size at (0, 0)."""
+    """channels: {name: rows of numbers}, as many as the data window has pixels. Windows are (left,
+    top, right, bottom), both ends inside; without them the channels' size at (0, 0)."""
 
     def __init__(self, channels, data=None, display=None, kind="float", name=""):
         rows = next(iter(channels.values()))

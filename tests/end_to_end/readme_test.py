@@ -28,8 +28,8 @@ def transcripts(text):
 
 
 def differs(printed, quoted):
-    """Whether a printed line is not the quoted one; numbers may differ by one in the last digit that
-    is quoted, times by anything."""
+    """Whether a printed line is not the quoted one; numbers may differ by one in the last quoted
+    digit, times by anything."""
     printed, quoted = (TIME.sub("TIME", line.rstrip()) for line in (printed, quoted))
     if re.sub(r" +", " ", NUMBER.sub("#", printed)) != re.sub(r" +", " ", NUMBER.sub("#", quoted)):
         return True

@@ -81,8 +81,8 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
         answer = self.json_of("accuracy", "--coats", "--quick", "--tolerance", "1e-3", "--quiet")
         rows = {(row["layering"], row["roughness"]): row for row in answer["coats"]}
         self.assertEqual(len(rows), 10)
-        # A smooth coat over Lambert's law is saunderson's by derivation; a diffuse base that does not
-        # reflect what comes back from the coat lacks tens of per cent at an albedo of 0.8.
+        # A smooth coat over Lambert's law is saunderson's by derivation; a diffuse base that does
+        # not reflect the light that comes back from the coat lacks tens of per cent at albedo 0.8.
         for share in rows["saunderson", 0]["relative_rmse"]:
             self.assertLess(share, 1e-6)
         for share in rows["albedo_scaling", 0.3]["relative_rmse"]:

@@ -34,8 +34,8 @@ export async function startBrowser() {
   }};
 }
 
-// Opens a page from its file. Whatever it prints to the console, throws or asks for from elsewhere is
-// kept in `complaints`.
+// Opens a page from its file. Whatever it prints to the console, throws or asks for from elsewhere
+// is kept in `complaints`.
 export async function open(context, name, {width = 1280, height = 900, scheme = "light"} = {}) {
   const page = await context.newPage();
   const complaints = [];

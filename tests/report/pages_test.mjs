@@ -107,7 +107,8 @@ test("a page of 8 directions, 10 lobes and 3 models is below 6 MiB", async () =>
     "--model", "single_scattering", "--model", "spongecake", "--model", "lambert", "--quiet", "-o", "large");
   const {page, complaints} = await open(browser.context, "large/report.html");
   const size = statSync(join(folder, "large/report.html")).size;
-  // By the browser's own clock, from the start of the navigation; told, not asserted: machines differ.
+  // By the browser's own clock, from the start of the navigation; told, not asserted: machines
+  // differ.
   const [load, ready] = await page.evaluate(() => [performance.getEntriesByType("navigation")[0].loadEventEnd,
     performance.getEntriesByName("ready")[0].startTime]);
   console.log(`${(size / 2 ** 20).toFixed(2)} MiB; plots drawn after ${(ready / 1000).toFixed(2)} s, load event after ${(load / 1000).toFixed(2)} s`);
@@ -125,7 +126,8 @@ test("the truth's error band is drawn whatever is chosen, be it walks' or the so
     for (const order of ["1", "2", "all"]) for (const scale of ["linear", "log"]) {
       await page.locator(`[data-switch=order] input[value="${order}"]`).check({force: true});
       await page.locator(`[data-switch=scale] input[value="${scale}"]`).check({force: true});
-      // In the polar plot and in the one along the plane: a filled path with an edge, both half transparent.
+      // In the polar plot and in the one along the plane: a filled path with an edge, both half
+      // transparent.
       const bands = await page.evaluate(() => [...document.querySelectorAll(".chart.tall")].map((chart) => [...chart.querySelectorAll("svg path")]
         .filter((path) => /^rgb\(0,0,0\)$/.test(path.getAttribute("fill")) && path.getAttribute("fill-opacity") === "0.18"
           && path.getAttribute("stroke-opacity") === "0.45" && path.getBoundingClientRect().width > 50).length));

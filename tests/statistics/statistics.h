@@ -11,7 +11,7 @@
 namespace lamella::testing {
 
 /// The probability with which any statistical test of the whole suite may fail by chance, and the
-/// number of such tests that it is shared by (Sidak). Seeds are fixed, so a pass stays a pass.
+/// number of tests that share the budget (Sidak). Seeds are fixed, so a pass stays a pass.
 inline constexpr double kFalseAlarmBudget = 1e-3;
 inline constexpr int kStatisticalTests = 4000;
 

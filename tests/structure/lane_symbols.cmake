@@ -1,7 +1,7 @@
 cmake_minimum_required(VERSION 3.25)
-# Objects of lamella_lanes(): -DNM=, -DOBJDUMP=, -DOBJECTS=a.o|b.o. Every function or variable that one
-# defines for the linker to merge or to find must carry the name of its instruction set, nothing may
-# run before main, and no object may use registers wider than its set's.
+# Objects of lamella_lanes(): -DNM=, -DOBJDUMP=, -DOBJECTS=a.o|b.o. Every function or variable that
+# one defines for the linker to merge or to find must carry the name of its instruction set, nothing
+# may run before main, and no object may use registers wider than its set's.
 string(REPLACE "|" ";" OBJECTS "${OBJECTS}")
 set(wrong "")
 set(seen "")

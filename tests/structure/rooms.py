@@ -26,7 +26,7 @@ def unit(path):
 
 
 def circles(uses):
-    """The strongly connected sets of more than one node of a graph {node: {nodes}} (Tarjan 1972)."""
+    """The strongly connected sets of more than one node of a graph {node: {nodes}}: Tarjan 1972."""
     index, low, stack, found = {}, {}, [], []
 
     def visit(node):

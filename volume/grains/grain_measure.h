@@ -29,10 +29,10 @@ struct ProfileSlice {
 /// D(m) <w, m> / sigma(w). The error is from the scatter of fits to groups of realisations.
 struct NormalFit {
   Estimate roughness;  ///< vMF: r in [0, 1]; SGGX: alpha of a surface about z, in [0.01, 1]
-  std::array<double, kNormalBins> first_normals{};  ///< what it predicts of `first_normals` below
+  std::array<double, kNormalBins> first_normals{};  ///< the fit's prediction of the measured ones
 };
 
-/// What explicit geometry looks like as a medium. Lengths in mm.
+/// The quantities of explicit geometry that a medium has as well. Lengths in mm.
 struct GrainMeasurement {
   std::uint64_t realisations = 0, rays = 0;
 
@@ -68,8 +68,8 @@ enum class Equivalent { lambert_sphere, vmf_flake, sggx };
 /// The stack of that medium over the same substrate. Its density is such that the mean projected
 /// area is the extinction measured (beds), or that it passes as much light at normal incidence as
 /// the filling factor leaves (micrograins). Beds that let less than 1e-3 of the light through
-/// become half spaces. Throws std::invalid_argument where there is none: Lambert spheres for
-/// anything but Lambertian beds, flakes for dielectric grains.
+/// become half spaces. Throws std::invalid_argument where no medium of that kind can stand for the
+/// grains: Lambert spheres for anything but Lambertian beds, flakes for dielectric grains.
 [[nodiscard]] Stack equivalent_stack(const Stack& stack, const GrainMeasurement& measurement,
                                      Equivalent medium);
 

@@ -14,12 +14,12 @@ struct GeometryError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a ray comes to.
+/// How a ray ends.
 enum class RayEnd {
   grain,
   up,    ///< leaves upwards: nothing is above
   down,  ///< reaches the plane z = GrainGeometry::bottom()
-  lost   ///< crossed kMostTiles periods without coming to anything
+  lost   ///< crossed kMostTiles periods and met nothing
 };
 
 struct GrainHit {
@@ -34,11 +34,11 @@ inline constexpr int kMostTiles = 100000;
 
 /// One realisation of grains in its periodic tile, ready to be traced. The only user of Embree.
 ///
-/// Embree finds the grains whose boxes a ray of floats meets; which of them it meets, and where, is
-/// decided in double precision. The boxes are widened by what rounding a ray to floats can move it
-/// by, so no grain is missed. A grain is met only where the ray enters it, against the normal: so a
-/// ray that leaves a grain on the side of its normal never meets that grain again, whatever the
-/// rounding of its origin, and no distance has to be skipped.
+/// Embree finds the grains whose boxes a ray of floats meets; double precision decides which of
+/// these grains the ray meets, and where. The boxes are widened by the largest shift of a ray that
+/// is rounded to floats, so no grain is missed. A grain is met only where the ray enters it,
+/// against the normal: so a ray that leaves a grain on the side of its normal never meets that
+/// grain again, whatever the rounding of its origin, and no distance has to be skipped.
 class GrainScene {
  public:
   /// `centres` as place_grains gives them. Throws GeometryError without Embree.
@@ -49,7 +49,7 @@ class GrainScene {
 
   /// Follows the ray from `origin` along the unit vector d. Any thread.
   [[nodiscard]] GrainHit trace(Direction origin, Direction d) const;
-  /// Whether the ray comes to no grain: it leaves, or reaches the plane below.
+  /// Whether the ray meets no grain: it leaves, or reaches the plane below.
   [[nodiscard]] bool is_free(Direction origin, Direction d) const;
   /// Whether any grain holds the point in its inside.
   [[nodiscard]] bool is_inside(Direction point) const;
@@ -61,7 +61,7 @@ class GrainScene {
 
   /// Whether this program was built with Embree.
   [[nodiscard]] static bool is_available();
-  /// Throws GeometryError, which says what to do, if it was not.
+  /// Throws GeometryError, which says what to do, if the program was built without Embree.
   static void require_available();
 
  private:

@@ -10,7 +10,7 @@
 
 namespace lamella {
 
-/// What walks among grains count beside the energies.
+/// The counts of walks among grains, beside the energies.
 enum class GrainScores {
   nothing,
   analog,      ///< light that leaves, in cells
@@ -18,11 +18,11 @@ enum class GrainScores {
   points       ///< every event's light, at given directions
 };
 
-/// What every walk of a simulation among grains shares.
+/// The data that all walks of a simulation among grains share.
 struct GrainSetting {
   GrainSetting(const Stack& stack, Direction incident, std::uint64_t seed, std::uint64_t max_order);
 
-  GrainGeometry geometry;  ///< in_units: what a walk finds does not depend on the scale
+  GrainGeometry geometry;  ///< in_units: walks do not depend on the scale
   Rgb albedo, f0;
   bool has_substrate;
   Rgb substrate_albedo;
@@ -33,7 +33,8 @@ struct GrainSetting {
   /// loses nothing; and 1 minus the mean Fresnel reflectance.
   Rgb inner{0};
   double entering = 1;
-  /// Walks that share one realisation of the grains: they cost about what building it costs.
+  /// Walks that share one realisation of the grains; together they cost about as much time as
+  /// building the realisation.
   std::uint64_t walks_per_realisation;
 };
 
@@ -46,8 +47,8 @@ inline constexpr double kGrainGrazingLimit = 1e-3;
 /// `targets`: the cells; `points`: the directions of GrainScores::points. C: channels.
 ///
 /// Orders, weights and the ledger are those of `walk`: the light enters over the whole tile at the
-/// top, every grain or substrate that is met is an event, what leaves below a bed without substrate
-/// is transmitted. Rays that are lost (RayEnd::lost) count as unresolved.
+/// top, every grain or substrate that is met is an event, light that leaves below a bed without
+/// substrate is transmitted. Rays that are lost (RayEnd::lost) count as unresolved.
 template <int C>
 void walk_among_grains(const GrainSetting& setting, GrainScores scores, const CellTargets& targets,
                        const std::vector<Direction>& points, int batch, int batches,

@@ -33,7 +33,7 @@ class GridMarch {
   /// The cell that the way is in, and the length of its way there.
   [[nodiscard]] const MajorantCell& cell() const { return *cell_; }
   [[nodiscard]] double length() const { return length_; }
-  /// Any voxel of the cell: what names it.
+  /// Any voxel of the cell, as its name.
   [[nodiscard]] VoxelIndex somewhere() const { return voxel_; }
   /// Length of the way before the cell.
   [[nodiscard]] double before() const { return before_; }
@@ -124,7 +124,7 @@ struct MajorantError : std::runtime_error {
 };
 
 /// The tentative collisions of a way through a grid, by delta tracking: each cell's majorant
-/// proposes them, extinction over majorant is the chance of a real one. M: the kind of medium.
+/// proposes them, extinction over majorant is the probability of a real one. M: the kind of medium.
 template <class M>
 class TentativeCollisions {
  public:
@@ -141,7 +141,7 @@ class TentativeCollisions {
   }
 
   /// Goes on to the next tentative collision, or out of the grid. `remaining`: the exponential
-  /// number that is left of the flight; what the way has not spent stays for the layer beyond.
+  /// number that is left of the flight; the rest after the way stays for the layer beyond.
   [[nodiscard]] Next next(double& remaining) {
     for (;;) {
       if (majorant_ > 0) {
@@ -195,7 +195,7 @@ class TentativeCollisions {
 };
 
 /// Free flight from a point of the grid. `remaining` is the exponential number that is left of the
-/// flight; when the way leaves the grid, what it has not spent stays for the layer beyond.
+/// flight; when the way leaves the grid, the rest stays for the layer beyond.
 template <class M>
 [[nodiscard]] GridFlight fly(const DensityGrid& grid, double x, double y, double height,
                              Direction w, double& remaining, RandomStream& stream) {
@@ -213,8 +213,8 @@ template <class M>
 
 /// An unbiased estimate of the share of light from w that crosses the grid from a point in it to
 /// its top or bottom, by ratio tracking (Novak et al. 2014, "Residual ratio tracking for estimating
-/// attenuation in participating media"); once little of it is left, the estimate goes on with a
-/// chance.
+/// attenuation in participating media"); once the product is small, Russian roulette decides
+/// whether the estimate continues.
 template <class M>
 [[nodiscard]] double ratio_tracked(const DensityGrid& grid, double x, double y, double height,
                                    Direction w, RandomStream& stream) {

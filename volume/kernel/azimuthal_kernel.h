@@ -17,9 +17,9 @@ namespace lamella {
 [[nodiscard]] KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets,
                                        int modes);
 
-/// The same of particles (sigma = 1) whose phase function is a Legendre series,
-/// p = 1 / (4 pi) sum over l of terms[l] P_l(cosine of the deflection), terms[0] = 1. Series that
-/// dip below 0 are taken as they are.
+/// The modes of particles (sigma = 1) whose phase function is a Legendre series, p = 1 / (4 pi) sum
+/// over l of terms[l] P_l(cosine of the deflection), terms[0] = 1. Series that dip below 0 are
+/// taken as they are.
 [[nodiscard]] KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& sets,
                                          int modes);
 

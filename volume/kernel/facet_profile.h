@@ -11,10 +11,10 @@
 namespace lamella {
 
 /// The BSDF of facets that are the same about z, single scattering, for pairs of |mu| and the
-/// azimuth x = pi - phi: what volume/kernel/facet_modes.h turns into azimuthal modes. Light comes
+/// azimuth x = pi - phi; volume/kernel/facet_modes.h turns it into azimuthal modes. Light comes
 /// from the rarer side or from the denser one; the transmitted part is written for light that comes
 /// from the rarer side, and the rest follows by reciprocity, f(w_i, w_o) / n_o^2 symmetric: so the
-/// limits of integration, beyond which no facet does it, are the same for both.
+/// limits of integration, beyond which no facet sends w_i to w_o, are the same for both.
 class FacetProfile {
  public:
   enum class Kind { reflection, transmission };

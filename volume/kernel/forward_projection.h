@@ -13,9 +13,10 @@ namespace lamella {
 
 /// Replaces the parts of a mirror medium's kernel that send light on (down to down, up to up).
 /// There K jumps at w_o = -w_i, so that K_m has a kink at mu_o = mu_i and its values at the nodes
-/// make a quadrature of second order only. With mu(u) and its slope s(u) (NodePanel), radiance
-/// times u is taken as a polynomial l_j(u) through the nodes, and the node values are replaced by
-/// those that make the discrete sums exact for such radiance: Galerkin's moments, with v = s / u,
+/// make a quadrature of second order only. With mu(u) and its slope s(u) (NodePanel), u times the
+/// radiance is taken as a polynomial through the nodes, with Lagrange polynomials l_j(u). The node
+/// values are replaced by those that make the discrete sums exact for that polynomial: Galerkin's
+/// moments, with v = s / u,
 ///   K_ij = integral of l_i(u) v(u) K v(u') l_j(u') du du' / (v_i g_i v_j g_j)
 /// between nodes (g: weights in u; symmetric, so that reciprocity stays exact), and
 ///   K_oj = integral of K(mu_o, u') v(u') l_j(u') du' / (v_j g_j)
@@ -30,7 +31,7 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
   using Eigen::VectorXd;
   const Index n = sets.nodes();
   const int modes = static_cast<int>(kernel.modes.size());
-  // A panel's own rule and a finer one, with what turns moments into node values.
+  // A panel's own rule and a finer one, with the factors that turn moments into node values.
   struct Rules {
     const NodePanel* panel;
     const Quadrature* nodes;

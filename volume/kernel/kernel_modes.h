@@ -15,8 +15,8 @@ using Parts = std::array<Eigen::MatrixXd, 4>;
 /// Azimuthal modes of the kernel K(w_i, w_o) = sigma(w_i) p(w_i -> w_o) [1/sr], which reciprocity
 /// makes symmetric, of a medium that is symmetric about z at albedo 1:
 ///   K = sum over m >= 0 of (2 - [m = 0]) K_m(mu_i, mu_o) cos(m x),  x = pi - phi,
-/// phi the azimuth of w_o relative to w_i. Taking x instead of phi, a chain of events multiplies
-/// its K_m without alternating signs.
+/// phi the azimuth of w_o relative to w_i. In x, unlike phi, the modes of a chain of events are
+/// products of its K_m without alternating signs.
 struct KernelModes {
   std::vector<Parts> modes;  ///< with the Schlick factor
   Parts white;               ///< mode 0 without it

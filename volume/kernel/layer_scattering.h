@@ -8,8 +8,8 @@
 
 namespace lamella {
 
-/// One medium at one albedo on those directions. The quadrature's error in the conservation of
-/// energy is removed by symmetric factors, K_ab -> d_a d_b K_ab, with which the white kernel's
+/// One medium at one albedo on the directions of `sets`. The quadrature's error in the conservation
+/// of energy is removed by symmetric factors, K_ab -> d_a d_b K_ab, with which the white kernel's
 /// discrete integral over w_o is sigma(w_i) to rounding (reciprocity stays exact).
 struct LayerScattering {
   std::vector<Parts> modes;      ///< K_m with albedo and Schlick factor
@@ -18,7 +18,7 @@ struct LayerScattering {
   Eigen::VectorXd absorbing[2];  ///< sigma minus what is scattered, of `in`, without
                                  ///< cancellation: 0 at albedo 1
   bool two_sided = true;
-  double correction = 0;  ///< largest |d - 1| at the nodes: how well they resolve K
+  double correction = 0;  ///< largest |d - 1| at the nodes: small if they resolve K
 
   LayerScattering(const Medium& medium, double albedo, double f0, const DirectionSets& sets,
                   int modes);

@@ -22,8 +22,10 @@ struct Pair {
   }
 };
 
-/// What the azimuthal quadrature needs of a medium: the kernel by |h_xy|^2 and h_z, and the square
-/// of the imaginary part, times the product of the sines, of its nearest singularity in x.
+/// The medium as the azimuthal quadrature sees it. value: the kernel by |h_xy|^2 and h_z. reach: by
+/// mu_i, mu_o and the gap, the square of the imaginary part of the kernel's nearest singularity in
+/// x, times the product of the sines. peak_at_zero_x: whether the singularity is near x = 0; else
+/// near pi.
 template <class F, class G>
 struct Profile {
   F value;

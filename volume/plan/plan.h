@@ -14,13 +14,14 @@ namespace lamella {
 
 class DensityGrid;
 
-/// Where walks are cut unless something else is asked for: later where they are thinned, which
-/// costs next to nothing then. The brightest channel decides, in colour as well.
+/// The order at which walks are cut unless another is asked for; a higher one where walks are
+/// thinned, as long walks then cost next to nothing. The brightest channel decides, in colour as
+/// well.
 inline constexpr std::uint64_t kMaxOrder = 1000, kThinnedMaxOrder = 1 << 20;
 
-/// What the walk carries for a stack, and nothing else. Made once from the stack; every member may
-/// be widened (grey to three channels, folded to unfolded, ...) without changing the answer, which
-/// is how a test and a benchmark hold the special case against the general one.
+/// The features that the walk carries for a stack, and no others. Made once from the stack; every
+/// member may be widened (grey to three channels, folded to unfolded, ...) without changing the
+/// answer. A test and a benchmark compare the special case with the general one in this way.
 struct Plan {
   int channels = 1;                     ///< weight channels: 1 for grey, 3 for RGB
   bool folded = true;                   ///< azimuthally symmetric: phi and -phi share a cell
@@ -38,7 +39,7 @@ struct Plan {
   std::vector<int> layers;
   /// Per layer of the stack, the grid that varies its density, or nullptr; empty without grids.
   std::vector<std::shared_ptr<const DensityGrid>> grids;
-  /// What is odd about their files, one line each, for people.
+  /// Warnings about the grids' files, one line each, for people.
   std::vector<std::string> warnings;
 
   /// Slots of orders in a tally: order 0 has one where there are interfaces.
@@ -46,7 +47,7 @@ struct Plan {
   [[nodiscard]] bool has_grids() const { return !grids.empty(); }
 };
 
-/// What is asked of walks; where nothing is, the plan chooses.
+/// Limits that the user asked for; without one the plan chooses.
 struct WalkLimits {
   std::optional<std::uint64_t> max_order{};
   std::optional<Thinning> thinning{};

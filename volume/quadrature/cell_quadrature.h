@@ -12,7 +12,7 @@ struct MuPhiRange {
   double mu0, mu1, phi0, phi1;
 };
 
-/// Cosine-weighted mean over such a range.
+/// Cosine-weighted mean over a range of mu and phi.
 struct CellMean {
   Rgb value;
   Rgb error;               ///< estimate, absolute

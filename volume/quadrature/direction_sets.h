@@ -49,8 +49,9 @@ struct DirectionSets {
 
   std::vector<NodePanel> panels;  ///< of the nodes
   double index = 1;               ///< of refraction of the medium
-  /// Of directions that are asked for: whether Snell's law has them in this medium. Where not, they
-  /// are totally reflected before, and stand here with a cosine that means nothing. Empty: all are.
+  /// For directions that are asked for: whether they exist in this medium by Snell's law. A
+  /// direction that does not is totally reflected before, and its cosine here has no meaning.
+  /// Empty: all exist.
   std::vector<bool> out_exists, in_exists;
 
   DirectionSets(int nodes, const std::vector<double>& extra_out,

@@ -14,13 +14,13 @@ struct Quadrature {
 /// Legendre recurrence; points and weights to about 1e-15. n >= 1.
 [[nodiscard]] Quadrature gauss_legendre(int n);
 
-/// The same, computed once per thread and n.
+/// The rule of gauss_legendre(n), computed once per thread and n.
 [[nodiscard]] const Quadrature& cached_gauss_legendre(int n);
 
 /// A parameter u in [0, 1] of the cosine mu. Radiance inside a layer behaves like mu log mu and
-/// exp(-tau / mu) at grazing angles and is smoother in u, which crowds there like mu ~ u^3. Below
-/// the knee only: beyond it u is as good as mu, so that points spread more evenly over the angle,
-/// which peaks that are narrow at every angle need. Without a knee mu = u^3 everywhere.
+/// exp(-tau / mu) at grazing angles and is smoother in u, as mu ~ u^3 there. With a knee this holds
+/// below the knee only; beyond it mu is linear in u, so the points spread more evenly over the
+/// angle, as peaks that are narrow at every angle need. Without a knee mu = u^3 everywhere.
 class GrazingMap {
  public:
   GrazingMap() = default;

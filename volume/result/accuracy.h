@@ -14,7 +14,7 @@ enum class DeterministicLimit { none, nodes, modes, time, memory, interrupted, n
 /// reached.
 [[nodiscard]] std::string to_text(DeterministicLimit limit);
 
-/// What a solution cost and how far it got.
+/// The cost of a solution and the error that it reached.
 struct DeterministicAccuracy {
   bool reached = false;                                 ///< whether error <= tolerance
   DeterministicLimit limit = DeterministicLimit::none;  ///< what stopped it short of that
@@ -25,7 +25,8 @@ struct DeterministicAccuracy {
   double error = 0;
   double node_error = 0;    ///< the part of `error` that the nodes leave
   double second_error = 0;  ///< of order 2 of steep media by its modes: apart from node_error
-  /// What the energies at the probes violate: how far their sum is from 1, how far any is below 0.
+  /// The defect of the energies at the probes: the distance of their sum from 1, or of any below 0
+  /// from 0, whichever is largest.
   double energy_defect = 0;
   int nodes = 0, modes = 0;            ///< modes: the most of any channel
   /// Degree of the spherical harmonics, where those have solved the stack; 0: adding and doubling.
@@ -34,7 +35,7 @@ struct DeterministicAccuracy {
   double seconds = 0;
   std::size_t bytes = 0;  ///< of the kernels, the largest tables
 
-  /// Whether the solution says anything at all: its error is known, and that of the nodes is no
+  /// Whether the solution is an answer at all: its error is known, and the error of the nodes is no
   /// larger than f itself.
   [[nodiscard]] bool is_answer() const {
     return std::isfinite(error) && node_error <= 1 && energy_defect <= 1;

@@ -22,7 +22,7 @@ struct LobeEstimate {
 /// Among SideResult::lobes, those of order 0 and of orders 1 and up.
 inline constexpr int kZeroLobe = kTallyOrders + 1, kScatteredLobe = kTallyOrders + 2;
 
-/// What simulate gives for one incident direction; sides are relative to it.
+/// The light that leaves on one side, for one incident direction.
 struct SideResult {
   std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
   std::array<Estimate, 3> specular{};  ///< the part of `total` that met deltas only
@@ -35,8 +35,8 @@ struct SideResult {
   [[nodiscard]] bool has_zero_lobe() const { return !lobes[kZeroLobe].value.empty(); }
 };
 
-/// What is known of one incident direction, whichever estimator found it. Where the deterministic
-/// solver did, every standard_error is an error bound instead, and accuracy says what was reached.
+/// The result for one incident direction, whichever estimator found it. In a result of the
+/// deterministic solver every standard_error is an error bound, and accuracy says what was reached.
 struct RunResult {
   Direction incident{};
   Estimator estimator = Estimator::analog;
@@ -49,8 +49,8 @@ struct RunResult {
   double seconds = 0;
   SideResult reflected, transmitted;
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
-  std::array<Estimate, 3> lost{};  ///< by single scattering at rough interfaces
-  std::array<Estimate, 3> thinned{};  ///< by walks that ended for others to count double: noise
+  std::array<Estimate, 3> lost{};     ///< by single scattering at rough interfaces
+  std::array<Estimate, 3> thinned{};  ///< taken by thinning less given back: 0 on average
   std::optional<DeterministicAccuracy> accuracy{};
 
   [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }

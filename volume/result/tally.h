@@ -22,27 +22,26 @@ inline constexpr int kZeroSlot = kTallyOrders;
 /// from the scatter between them.
 inline constexpr int kBatches = 128;
 
-/// Sums over the walks of a batch of what becomes of the light, per channel, each counted where it
-/// happens: none is what is left of the others.
+/// Sums of the energies over the walks of a batch, per channel. Each is counted where it happens;
+/// none is computed as 1 less the others.
 struct EnergySums {
   using Channels = std::array<double, 3>;
   std::array<Channels, kTallyOrders> up{},
-      down{};                               ///< left the stack there, after that many events
+      down{};                       ///< left the stack there, after that many events
   Channels zero_up{}, zero_down{};  ///< left there after interfaces alone, `uncollided` apart
-  Channels specular_up{},
-      specular_down{};  ///< the part of up, down and zero that met deltas only
+  Channels specular_up{}, specular_down{};  ///< the part of up, down and zero that met deltas only
   Channels uncollided{}, absorbed{}, unresolved{};
-  Channels lost{};     ///< in the shadow of facets: what single scattering at interfaces drops
-  Channels thinned{};  ///< what thinning has taken less what it has given: 0 on average
+  Channels lost{};     ///< in the shadow of facets, by single scattering at interfaces
+  Channels thinned{};  ///< taken by thinning less given back: 0 on average
 };
 
-/// What the lanes were busy with.
+/// The use of the lanes.
 struct LaneUse {
   double occupancy = 0;  ///< lanes that had a walk at each step, of all
   double null = 0;       ///< of these, lanes whose collision was a null one
 };
 
-/// What one batch of walks has counted.
+/// The counts of one batch of walks.
 struct BatchTally {
   std::uint64_t walks = 0;
   std::uint64_t collisions = 0;

@@ -8,16 +8,17 @@
 namespace lamella {
 
 /// Long walks are thinned by halves: after event `first`, 4 first, 16 first, ... a walk ends with
-/// the chance 1/2, and one that goes on counts double from there. Nothing changes on average.
+/// the probability 1/2, and one that survives counts double from there. The mean does not change.
 ///
-/// Where little is absorbed n^-1/2 of the walks are on their way after n events and n^-3/2 leave at
-/// the n-th, down to the longest, N: events cost sqrt(N) per walk, most of them spent on few walks.
-/// With a survival of s(n) cost is the sum of n^-1/2 s and variance that of n^-3/2 / s; their
-/// product is least for s like n^-1/2 (Cauchy and Schwarz), when both grow like log N.
+/// Where little is absorbed, n^-1/2 of the walks survive n events and n^-3/2 leave at the n-th, up
+/// to the longest, N: events cost sqrt(N) per walk, most of them spent on few walks. If thinning
+/// lets a walk reach event n with the probability s(n), cost is the sum of n^-1/2 s and variance
+/// that of n^-3/2 / s; their product is least for s like n^-1/2 (Cauchy and Schwarz), where both
+/// grow like log N.
 struct Thinning {
   /// A power of two, or 0: never.
   std::uint32_t first = 0;
-  /// Events beyond it halve no more.
+  /// Events beyond this one do not thin.
   static constexpr std::uint32_t kLast = 1u << 24;
 
   [[nodiscard]] bool is_on() const { return first != 0; }
@@ -48,7 +49,7 @@ template <class Words>
 /// The event at which thinning ends a walk, from 32 random bits; ~0 if none does.
 template <class Words>
 [[nodiscard]] LAMELLA_INLINE Words thinned_at(std::uint32_t first, Words bits) {
-  // The number of leading zeros of 24 random bits: n zeros have the chance 2^-n.
+  // The number of leading zeros of 24 random bits: n zeros have the probability 2^-n.
   const Words spared = Words(23u) - highest_bit(max(shift_right<8>(bits), Words(1u)));
   const Words bit = Words(highest_bit(first)) + shift_left<1>(spared);
   return select(is_below(Words(highest_bit(Thinning::kLast)), bit), Words(~0u),

@@ -18,7 +18,7 @@ class LaneRun;
 
 /// The walks of one incident direction, through layers or among explicit grains. For a given seed,
 /// estimator and number of walks the sums are the same to the last bit for any number of threads
-/// and any way in which `advance` got there.
+/// and any sequence of calls of `advance`.
 class Simulation {
  public:
   /// Lobes on cells. `incident`: unit, mu = 0 is the limit from above; below a half space or an
@@ -50,7 +50,7 @@ class Simulation {
   [[nodiscard]] const Stack& stack() const { return stack_; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] Estimator estimator() const { return estimator_; }
-  /// What the walks run on: the plan's, or scalar where it has no kernel for them.
+  /// The instruction set of the walks: the plan's, or scalar where that set has no kernel for them.
   [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
   /// Nothing for scalar walks.
   [[nodiscard]] std::optional<LaneUse> lane_use() const;
@@ -91,7 +91,7 @@ struct StopRule {
   std::optional<double> seconds;
 };
 
-/// What a run tells while it goes on.
+/// The state of a run at a checkpoint.
 struct Progress {
   std::uint64_t walks, of_walks;
   double seconds;

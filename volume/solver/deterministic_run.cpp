@@ -59,7 +59,8 @@ struct Assembly {
   double lobes(SideResult& side, std::size_t i, Direction wi, bool up) const {
     const std::size_t cells = grid.cells();
     for (LobeEstimate& lobe : side.lobes) {
-      if (&lobe == &side.lobes[kZeroLobe] && is_first_closed(solution.stack())) continue;
+      // Lobes of order 0 and of orders 1 and up: only where a rough boundary makes one of order 0.
+      if (&lobe >= &side.lobes[kZeroLobe] && is_first_closed(solution.stack())) continue;
       lobe.value.assign(channels * cells, 0);
       lobe.standard_error.assign(channels * cells, 0);
     }
@@ -113,7 +114,10 @@ struct Assembly {
             side.lobes[0].standard_error[k] += means.error;
             side.lobes[kZeroLobe].value[k] = zero[cell].value[c] + rest;
             side.lobes[kZeroLobe].standard_error[k] = zero[cell].error[c] + means.error;
-            all += first + rest + zero[cell].value[c];
+            all += first;
+            side.lobes[kScatteredLobe].value[k] = all;
+            side.lobes[kScatteredLobe].standard_error[k] = error;
+            all += rest + zero[cell].value[c];
             error += zero[cell].error[c];
           }
           side.lobes[kTallyOrders].value[k] = all;

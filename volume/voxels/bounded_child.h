@@ -9,9 +9,9 @@
 
 namespace lamella {
 
-/// What a child process may take. A limit that is met ends the child, not the program.
+/// Limits of a child process. A limit that is met ends the child, not the program.
 struct ChildLimits {
-  std::uint64_t memory = 1 << 30;    ///< bytes beyond what this process holds, and of the answer
+  std::uint64_t memory = 1 << 30;    ///< bytes beyond those of this process, and of the answer
   double processor_seconds = 10;     ///< rounded up to whole seconds
   double seconds = 60;               ///< on the clock
   std::size_t messages = 64 * 1024;  ///< bytes written to stdout and stderr together
@@ -41,9 +41,9 @@ class ChildAnswer {
 
 /// Runs `work` in a fork of this process and returns what it wrote: for libraries that a damaged
 /// file can make crash, hang or ask for all memory. The child sees the program's memory as it is at
-/// the call, has one thread, and ends without destructors; what it writes to stdout and stderr is
-/// dropped, but for the first words of a crash. Linux only. Throws ChildRefusal if the work throws
-/// a std::exception, else ChildFailure.
+/// the call, has one thread, and ends without destructors. Its stdout and stderr are dropped, but
+/// for the first words of a crash. Linux only. Throws ChildRefusal if the work throws a
+/// std::exception, else ChildFailure.
 [[nodiscard]] std::string run_in_child(const ChildLimits& limits,
                                        const std::function<void(ChildAnswer&)>& work);
 

@@ -12,9 +12,9 @@
 
 namespace lamella {
 
-/// A layer's density grid, ready for walks: voxels, the media they hold, and upper bounds of what
-/// the light meets. Position in voxels: x, y in [0, n), periodic; z in [0, n), upwards. What a
-/// light that arrives from w meets in voxel i is layer density * density(i) * sigma_i(w) [1/mm].
+/// A layer's density grid, ready for walks: voxels, the media in them, and upper bounds of the
+/// extinction. Position in voxels: x, y in [0, n), periodic; z in [0, n), upwards. The extinction
+/// of light from w in voxel i is layer density * density(i) * sigma_i(w) [1/mm].
 class DensityGrid {
  public:
   /// The layer must have a grid reference. Throws std::invalid_argument, file and key named, if the
@@ -25,8 +25,8 @@ class DensityGrid {
 
   [[nodiscard]] const Voxels& voxels() const { return *voxels_; }
   [[nodiscard]] const std::shared_ptr<const Voxels>& shared_voxels() const { return voxels_; }
-  /// Where the extent comes from ("the active voxels"), and what is odd about the file, one line
-  /// each; empty for grids that are no file's.
+  /// The origin of the extent ("the active voxels"), and warnings about the file, one line each;
+  /// empty for grids that are no file's.
   [[nodiscard]] const std::string& extent_source() const { return extent_source_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const VoxelExtent& extent() const { return extent_; }
@@ -80,7 +80,7 @@ class DensityGrid {
     return sigma_of_cosine(medium, extreme_cosine(c, cone)) * (1 + 1e-6);
   }
 
-  /// What the cells amount to: for `lamella explain` and the bench.
+  /// Statistics of the cells, for `lamella explain` and the bench.
   struct CellCount {
     std::size_t blocks = 0, cells = 0, empty_blocks = 0;
   };

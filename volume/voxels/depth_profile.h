@@ -8,13 +8,13 @@
 
 namespace lamella {
 
-/// How far a grid is from a stack of homogeneous layers.
+/// The distance of a grid from a stack of homogeneous layers.
 struct LateralContrast {
   /// Root of the mean square of (density - mean of its slice), over the mean density: 0 if the
   /// density varies with depth alone. Dimensionless.
   double voxel = 0;
-  /// Standard deviation over the columns of the density summed over the column, over its mean: what
-  /// light at normal incidence sees.
+  /// Standard deviation over the columns of the density summed over the column, over its mean: the
+  /// contrast at normal incidence.
   double column = 0;
   /// Share of the voxels that hold anything.
   double filled = 0;
@@ -33,7 +33,7 @@ struct LateralContrast {
                                 const std::vector<std::shared_ptr<const DensityGrid>>& grids);
 
 /// The same voxels with (density - mean of the slice) multiplied by `factor` in [0, 1]: 0 is the
-/// profile, 1 the grid itself. What else the voxels hold stays.
+/// profile, 1 the grid itself. The other fields of the voxels stay.
 [[nodiscard]] Voxels with_contrast(const Voxels& voxels, double factor);
 
 }  // namespace lamella

@@ -33,7 +33,7 @@ struct GridGenerator {
 [[nodiscard]] const std::vector<GridGenerator>& grid_generators();
 [[nodiscard]] const GridGenerator* find_grid_generator(std::string_view name);
 
-/// The name in "builtin:NAME"; nothing if the file is no such name.
+/// The name in "builtin:NAME"; nothing if the file has another form.
 [[nodiscard]] std::optional<std::string> builtin_grid_name(const std::string& file);
 
 /// The generator's grid with its default parameters. Throws std::invalid_argument if there is none

@@ -28,7 +28,8 @@ struct AxisCone {
   float x = 0, y = 0, z = 1, cosine = 1, sine = 0;
 };
 
-/// What majorants bound: the voxels' density, and what varies sigma from voxel to voxel.
+/// The fields that majorants bound: the voxels' density, and the axis and roughness that change
+/// sigma from voxel to voxel.
 struct MajorantInput {
   const VoxelField<1>& density;
   const std::optional<VoxelField<3>>& axis;           ///< unit, where flakes are turned

@@ -6,15 +6,15 @@
 
 namespace lamella {
 
-/// Beds of overlapping equal spheres at random (Poisson's), as level sets, against what is known of
-/// them: the share 1 - exp(-packing) of space is inside, packing being number density times sphere
-/// volume, and a volume holds the surface 3 packing / radius exp(-packing) [1/mm], the part of all
-/// spheres' that no other one covers.
+/// Beds of overlapping equal spheres at random (Poisson's), as level sets, against two known
+/// results: the share 1 - exp(-packing) of space is inside, packing being number density times
+/// sphere volume, and a volume holds the surface 3 packing / radius exp(-packing) [1/mm], the part
+/// of all spheres' that no other one covers.
 struct SphereBedCheck {
   Estimate volume_fraction, area_density;  ///< means over realisations
   double expected_volume_fraction = 0, expected_area_density = 0;
-  /// The same as seen through the level set's kernels, which blur the surface: what a mean over
-  /// infinitely many realisations would give.
+  /// The known results blurred by the level set's kernels: the limits of the means for infinitely
+  /// many realisations.
   double blurred_volume_fraction = 0, blurred_area_density = 0;
   int realisations = 0;
   std::uint64_t spheres = 0;  ///< of all realisations

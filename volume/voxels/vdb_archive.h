@@ -9,18 +9,19 @@
 
 namespace lamella {
 
-/// OpenVDB's registry of types; before anything else of it, once per process.
+/// Fills OpenVDB's registry of types; to be called once per process, before any other use of
+/// OpenVDB.
 void initialize_openvdb();
 
-/// A .vdb file grid by grid, read by OpenVDB's own routines from a stream that is watched: whatever
-/// reads beyond the end throws, each grid's end is held against the file's size before anything of
-/// it is read, and against the place where reading it ended. io::File does neither. Throws
-/// GridFileError, and std::bad_alloc.
-/// A grid that has been given out, or begun, is never destroyed: this is for a process that ends
-/// after reading, and OpenVDB destroys trees on threads, of which a forked process has but one.
+/// A .vdb file grid by grid, read by OpenVDB's own routines from a stream that is watched: a read
+/// beyond the end throws, and each grid's end is compared with the file's size before the grid is
+/// read, and with the place where reading ended. io::File does neither. Throws GridFileError, and
+/// std::bad_alloc. A grid that has been given out, or begun, is never destroyed: the class is for a
+/// process that ends after reading, and OpenVDB destroys trees on threads, of which a forked
+/// process has but one.
 class VdbArchive : private openvdb::io::Archive {
  public:
-  /// What the file says of a grid before the grid itself.
+  /// The file's header of a grid.
   struct Entry {
     std::string name;  ///< without the suffix that makes it unique
     std::string unique_name;

@@ -33,7 +33,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// "float" of "Tree_float_5_4_3"; what is no such tree stays whole.
+// "float" of "Tree_float_5_4_3"; other names stay whole.
 std::string value_type(const std::string& tree) {
   const std::string text = one_line(tree, 60);
   const std::string head = "Tree_", tail = "_5_4_3";

@@ -14,19 +14,19 @@ namespace lamella {
 /// Version of OpenVDB that the program was built with; empty without it.
 [[nodiscard]] std::string openvdb_version();
 
-/// Reads a .vdb file, as README.md says under "Grid files": the density (float, >= 0) and, where
-/// they are, orientation and albedo (three floats; albedo in [0, 1]) and roughness (float, in
+/// Reads a .vdb file, as volume/README.md says under "Grid files": the density (float, >= 0) and,
+/// where they are, orientation and albedo (three floats; albedo in [0, 1]) and roughness (float, in
 /// (0, 1]), all on the voxels of the density. The value of a voxel, active or not, is what
 /// OpenVDB's accessor answers. OpenVDB works in a child process with bounded memory and time, so
-/// that a damaged file ends in an error. Throws GridFileError with what was found and what is
-/// allowed, file, grid and voxel named.
+/// that a damaged file ends in an error. Throws GridFileError, which names file, grid, voxel, the
+/// value found and the values allowed.
 [[nodiscard]] VdbGrids read_vdb(const std::string& path, const VdbRequest& request = {});
 
 /// Writes the voxels, edges of `voxel_size` [mm], as a .vdb file that read_vdb reads back the same.
 /// Throws GridFileError.
 void write_vdb(const std::string& path, const Voxels& voxels, Vec3<double> voxel_size);
 
-/// What a bed of overlapping equal spheres measures as a level set.
+/// Measures of a bed of overlapping equal spheres as a level set.
 struct LevelSetMeasure {
   double volume_fraction = 0;  ///< of the box that is inside a sphere
   double area_density = 0;     ///< surface of the union per volume of the box [1/mm]

@@ -11,12 +11,12 @@
 
 namespace lamella {
 
-/// A grid file that cannot be taken: what was found in it, and what is allowed.
+/// A grid file that is refused. what() names the value found and the values allowed.
 struct GridFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What is wanted of a .vdb file.
+/// The grids and the tile that are wanted of a .vdb file.
 struct VdbRequest {
   /// Names of its grids. Orientation, roughness and albedo may be missing unless `required` has the
   /// name's position in this list.
@@ -29,11 +29,11 @@ struct VdbRequest {
   std::optional<Vec3<double>> size{};
 };
 
-/// What has been found there.
+/// The grids and the tile that were found in it.
 struct VdbGrids {
   Voxels voxels;
   VoxelIndex first_voxel{};             ///< index in the file of voxel (0, 0, 0)
-  std::string extent_source{};          ///< where the tile's extent comes from, for people
+  std::string extent_source{};          ///< origin of the tile's extent, for people
   std::vector<std::string> warnings{};  ///< one line each, file named
 };
 

@@ -26,9 +26,9 @@ struct VdbTile {
 /// Name of the metadata in which write_vdb notes the tile, Vec3i: voxels from index 0 on.
 inline constexpr char kExtentKey[] = "lamella_voxels";
 
-/// Which voxels are the tile: what the request says, else what the file's metadata say, else the
-/// size in mm over the file's voxel size if the active voxels lie in it, else their bounding box.
-/// Throws GridFileError.
+/// The voxels of the tile: those that the request names, else those of the file's metadata, else
+/// the size in mm over the file's voxel size if the active voxels lie in it, else the bounding box
+/// of the active voxels. Throws GridFileError.
 [[nodiscard]] VdbTile tile_of(const openvdb::FloatGrid& density, const std::string& name,
                               const openvdb::MetaMap& file, const VdbRequest& request);
 
@@ -45,7 +45,7 @@ struct VdbIndexMap {
   std::array<double, 3> scale{1, 1, 1}, shift{0.5, 0.5, 0.5};
 
   [[nodiscard]] openvdb::Coord operator()(const openvdb::Coord& i) const;
-  /// Where both grids have the same voxels: what leads from the density's index to the other's.
+  /// The step from the density's index to the other grid's, where both have the same voxels.
   [[nodiscard]] std::optional<openvdb::Coord> offset() const;
 };
 

@@ -11,7 +11,7 @@
 
 namespace lamella {
 
-/// Voxels are stored, and bounded, in blocks of this many along each axis: OpenVDB's leaf.
+/// Edge of the blocks in which voxels are stored and bounded, in voxels: that of OpenVDB's leaf.
 inline constexpr int kBlockVoxels = 8;
 /// Blocks in the table of a field: 128 MiB of table.
 inline constexpr std::size_t kMostBlocks = std::size_t{1} << 24;
@@ -151,7 +151,7 @@ class VoxelField {
   std::vector<Value> values_;
 };
 
-/// What a grid file or a generator gives: the same voxels in every field.
+/// The fields of a grid file or a generator, all on the same voxels.
 struct Voxels {
   explicit Voxels(VoxelExtent extent) : density(extent) {}
 

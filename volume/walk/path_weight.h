@@ -8,7 +8,8 @@
 
 namespace lamella {
 
-/// What a walk still carries of its light, per channel (C of them), and what becomes of the rest.
+/// The weight of a walk per channel (C of them), and the ledger entries for the light that it
+/// loses.
 template <int C>
 struct PathWeight {
   std::array<double, C> value;
@@ -20,8 +21,8 @@ struct PathWeight {
     for (int c = 0; c < C; ++c) sums[c] += value[c];
   }
 
-  /// Books what leaves the stack, upward or down, after `order` events: as uncollided after none,
-  /// as specular too if they were all deltas.
+  /// Books the weight of a walk that leaves the stack, upward or down, after `order` events: as
+  /// uncollided after none, as specular too if all events were deltas.
   void leave(EnergySums& energy, bool down, std::uint64_t order, bool only_delta) const {
     if (order == 0) {
       add_to(energy.uncollided);
@@ -31,10 +32,10 @@ struct PathWeight {
     if (only_delta) add_to(down ? energy.specular_down : energy.specular_up);
   }
 
-  /// Takes the share `kept` of each channel on from an event of that order; false if the walk ends
-  /// there. What is not kept is absorbed; from the fourth event on, where the tally no longer tells
-  /// orders apart, the walk survives with the largest channel's share only. Either way a walk's
-  /// ledger sums to 1. Shares above 1 (a sampled weight) are taken as they are.
+  /// Keeps the share `kept` of each channel at an event of that order; false if the walk ends
+  /// there. The rest is absorbed; from the fourth event on, where the tally no longer tells orders
+  /// apart, the walk survives with the largest channel's share only. Either way a walk's ledger
+  /// sums to 1. Shares above 1 (a sampled weight) are taken as they are.
   template <class Stream>
   [[nodiscard]] bool survives(const std::array<double, C>& kept, std::uint64_t order,
                               EnergySums& energy, Stream& stream) {
@@ -61,7 +62,7 @@ struct PathWeight {
   }
 
   /// Thins (volume/result/thinning.h): false if the walk ends there, else it counts double. The
-  /// ledger keeps what that takes and gives, and sums to 1 still.
+  /// ledger books the weight that thinning takes and gives, and still sums to 1.
   template <class Stream>
   [[nodiscard]] bool is_spared(EnergySums& energy, Stream& stream) {
     if (stream.uniform() < 0.5) {

@@ -19,7 +19,8 @@ struct CellTargets {
   bool both_sides = false;
 
   [[nodiscard]] int count() const { return grid.cells() * (both_sides ? 2 : 1); }
-  /// The target that a leaving direction falls into, or -1 (below a stack that has no such side).
+  /// The target that a leaving direction falls into, or -1 (below a stack where light cannot
+  /// leave).
   [[nodiscard]] int find(Direction wo) const;
 };
 
@@ -77,8 +78,8 @@ class CellDirections {
   std::vector<double> column_cos_, column_sin_;
 };
 
-/// Outgoing directions of next-event estimation and what light meets on its way out along them:
-/// structure of arrays, the upward directions first.
+/// Outgoing directions of next-event estimation and the extinction along them: structure of arrays,
+/// the upward directions first.
 struct TargetDirections {
   int up = 0;  ///< how many go up
   std::vector<double> x, y, z, inverse_mu;
@@ -94,7 +95,7 @@ struct TargetDirections {
 };
 
 /// Next-event estimator: every event sends its share to every target, attenuated on the way out;
-/// what it adds up to is an estimate of f at the target's direction.
+/// the sum is an estimate of f at the target's direction.
 template <int C>
 class NextEventScorer {
  public:

@@ -61,7 +61,7 @@ template <class M>
 
 }  // namespace walk_detail
 
-/// Follows one walk of light from w_i through the stack and gives what happens to `tally` and to
+/// Follows one walk of light from w_i through the stack and reports its events to `tally` and
 /// `scorer`. M: the medium of every layer, or Medium; C: channels; kSingle: one layer.
 ///
 /// Position-free: a layer index and the depth y below that layer's top. A walk carries weights of

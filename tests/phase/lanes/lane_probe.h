@@ -27,7 +27,8 @@ LAMELLA_LANE_FUNCTION(void, probe_angles,
 LAMELLA_LANE_FUNCTION(void, probe_philox,
                       (std::uint64_t seed, const std::uint32_t* c0, const std::uint32_t* c2,
                        std::uint32_t purpose, std::uint32_t* words, std::size_t count))
-/// state: four words per walk, one after the other; words: likewise `draws` of them.
+/// state: four words per walk, one after the other; words: `draws` words per walk, one after the
+/// other.
 LAMELLA_LANE_FUNCTION(void, probe_walk_numbers,
                       (const std::uint32_t* state, std::uint32_t* words, std::size_t count,
                        std::size_t draws))

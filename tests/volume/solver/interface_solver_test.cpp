@@ -342,12 +342,18 @@ TEST(InterfaceSolver, StacksAgreeWithWalks) {
         agree(a.zero[0], b.zero[0], "zero");
         agree(a.specular[0], b.specular[0], "specular");
         for (int o = 0; o < kTallyOrders; ++o) agree(a.orders[o][0], b.orders[o][0], "order");
-        const LobeEstimate &x = a.lobes[kTallyOrders], &y = b.lobes[kTallyOrders];
-        if (x.value.empty() || y.value.empty()) continue;
-        ASSERT_EQ(x.value.size(), y.value.size());
-        for (std::size_t k = 0; k < x.value.size(); ++k)
-          if (y.standard_error[k] > 0)
-            agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]}, "cell");
+        for (const int lobe : {kTallyOrders, kZeroLobe, kScatteredLobe}) {
+          const LobeEstimate &x = a.lobes[lobe], &y = b.lobes[lobe];
+          if (x.value.empty() || y.value.empty()) continue;
+          ASSERT_EQ(x.value.size(), y.value.size());
+          for (std::size_t k = 0; k < x.value.size(); ++k)
+            if (y.standard_error[k] > 0)
+              agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]}, "cell");
+        }
+        if (!a.has_zero_lobe()) continue;
+        for (std::size_t k = 0; k < a.lobes[kZeroLobe].value.size(); ++k)
+          EXPECT_NEAR(a.lobes[kZeroLobe].value[k] + a.lobes[kScatteredLobe].value[k],
+                      a.lobes[kTallyOrders].value[k], 1e-12 * a.lobes[kTallyOrders].value[k]);
       }
     }
   }

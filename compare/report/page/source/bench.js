@@ -14,7 +14,8 @@ export function paretoFront(points) {
   return front;
 }
 
-// Closed forms that were timed by themselves: each has its error on a stack of its own, so that none is on a front.
+// Closed forms that were timed by themselves: each has its error on a stack of its own, so that
+// none is on a front.
 const everyForm = "closed forms, each on a stack that it claims";
 const closedForms = (rows) => rows.filter((r) => r.error_on && r.ns_per_eval > 0 && r.error > 0).map((r) =>
   ({...r, stack: everyForm, method: r.what.replace(/^eval(_batch)?\//, ""), batched: r.what.startsWith("eval_batch/")}));
@@ -69,7 +70,8 @@ export function bench(page, answer) {
           return [bars(mine.map((r) => [r.ns_per_eval, r.error, within(r.ns_low ?? r.ns_per_eval, left, right), within(r.ns_high ?? r.ns_per_eval, left, right),
               within(r.error_low ?? r.error, bottom, top), within(r.error_high ?? r.error, bottom, top), r.bound ? 1 : 0]), modelColor(k)),
             {type: "line", name: m, symbol: modelSymbol(k), symbolSize: 11, z: 5,
-              // Names stand beside each method's cheapest point, and move apart; where there is no room the legend has them.
+              // Names stand beside each method's cheapest point, and move apart; where there is no
+              // room the legend has them.
               data: mine.map((r, i) => ({value: [r.ns_per_eval, r.error], row: r,
                 label: {show: i === 0 && width > 560, position: share(r.ns_per_eval, left, right) > .75 ? "left" : "right"}})),
               lineStyle: {color: modelColor(k), type: modelDash(k), width: mine.length > 1 ? 2 : 0}, itemStyle: {color: modelColor(k)},
@@ -93,7 +95,8 @@ export function bench(page, answer) {
         element("td", {}, percent((of(m, false) ?? of(m, true)).error)), element("td", {class: "text name"}, breakable((of(m, false) ?? of(m, true)).error_on)))))));
   }
   const share = (v, low, high) => Math.log(v / low) / Math.log(high / low);
-  // Labels beside their points, moved up or down from other labels and points, to the left at the right edge.
+  // Labels beside their points, moved up or down from other labels and points, to the left at the
+  // right edge.
   function apart(points, width) {
     const placed = new Map();
     const marks = points.map(([x, y]) => ({x: x - 6, y: y - 6, width: 12, height: 12}));

@@ -11,7 +11,8 @@ use([CustomChart, HeatmapChart, LineChart, ScatterChart, BarChart, GridComponent
   PolarComponent, TooltipComponent, VisualMapContinuousComponent, MarkLineComponent, AriaComponent,
   LabelLayout, SVGRenderer]);
 
-// Okabe and Ito's colours, told apart in every kind of colour vision; dashes and symbols differ too.
+// Okabe and Ito's colours, told apart in every kind of colour vision; dashes and symbols differ
+// too.
 const light = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b08800", "#3b9ccc", "#6a4c93", "#8c4a2f", "#5f6b2d", "#777777"];
 const dark = ["#56b4e9", "#ff9a4d", "#2fd0a0", "#e6a4c8", "#f0e442", "#8fd0f5", "#b79be6", "#d9a080", "#b9c76b", "#aaaaaa"];
 const dashes = ["solid", [8, 4], [2, 3], [10, 3, 2, 3], [5, 2], [12, 4], [3, 6]];
@@ -83,8 +84,8 @@ export function axis(p, name, more = {}) {
     minorSplitLine: {show: false}, ...more};
 }
 
-// The legend of a chart as text of the page: it wraps, grows and prints as text does. `entries`: {name, model} for
-// a model by its number, {name, truth: true}, or {name, color, symbol}.
+// The legend of a chart as text of the page: it wraps, grows and prints as text does. `entries`:
+// {name, model} for a model by its number, {name, truth: true}, or {name, color, symbol}.
 export function legend(entries) {
   const node = element("ul", {class: "legend"});
   const draw = () => node.replaceChildren(...entries.map((e) => {

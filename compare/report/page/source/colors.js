@@ -1,5 +1,5 @@
-// The same colours as in the program's pictures: 256 entries each of viridis and of RdBu, whose 11 classes of ColorBrewer
-// are linear in between (compare/drawing/color_map.h).
+// The same colours as in the program's pictures: 256 entries each of viridis and of RdBu, whose 11
+// classes of ColorBrewer are linear in between (compare/drawing/color_map.h).
 import {interpolateViridis, schemeRdBu} from "d3-scale-chromatic";
 
 const parts = (color) => {
@@ -47,7 +47,8 @@ export function magnitudeScale(maps, logarithmic) {
 const decades = (bottom, top) => ({ticks: [10 ** bottom, 10 ** ((top + bottom) / 2), 10 ** top], at: viridisAt,
   color: (v) => viridisAt(v > 0 ? (Math.log10(v) - bottom) / (top - bottom) : 0)});
 
-// Logarithmic, for errors over their bounds: whole decades, from 0.1 to at least the largest and to 10.
+// Logarithmic, for errors over their bounds: whole decades, from 0.1 to at least the largest and to
+// 10.
 export function ratioScale(map) {
   const most = map.reduce((m, v) => Number.isFinite(v) ? Math.max(m, v) : m, 10);
   return decades(-1, Math.ceil(Math.log10(most) - 1e-9));

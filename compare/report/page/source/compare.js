@@ -16,7 +16,8 @@ const marks = {agrees: "✓", differs: "✗", insufficient: "?"};
 
 const isCut = (lobe) => (lobe.energy_missing ?? []).some((e) => e > 0);
 
-// The relative RMSE without noise, as a range where walks were cut; nothing where there is no truth to be relative to.
+// The relative RMSE without noise, as a range where walks were cut; nothing where there is no truth
+// to be relative to.
 function rmseText(lobe) {
   const by = lobe.relative_rmse_without_noise;
   if (typeof by !== "number") return "";
@@ -57,7 +58,8 @@ export function compare(page, answer, details) {
   }
 
   const cache = new Map();
-  // One channel (or luminance) of a map; `spread`: of errors, which add up where channels share walks.
+  // One channel (or luminance) of a map; `spread`: of errors, which add up where channels share
+  // walks.
   function map(text) {
     if (!text) return null;
     const key = `${state.channel}:${text.length}:${text}`;
@@ -351,7 +353,8 @@ export function compare(page, answer, details) {
   }
 
   function show(changed) {
-    // The chosen radio button keeps the focus: the controls are made anew only when something else moved them.
+    // The chosen radio button keeps the focus: the controls are made anew only when something else
+    // moved them.
     if (changed === undefined || changed === "cell") controlsNow();
     drawing.replaceChildren(stackDrawing(answer.stack, runs[state.run].theta_i));
     const active = document.activeElement?.closest?.(".matrix button");

@@ -14,7 +14,8 @@ export function element(tag, attributes = {}, ...children) {
   return node;
 }
 
-// A text that may be broken after its underscores, slashes and equals signs: names of models, stacks and parameters.
+// A text that may be broken after its underscores, slashes and equals signs: names of models,
+// stacks and parameters.
 export const breakable = (text) => String(text).split(/([_/=])/).flatMap((part, k) => k % 2 ? [part, element("wbr")] : [part]);
 
 // A group of radio buttons that looks like a row of keys. `options`: {value, label, disabled}.

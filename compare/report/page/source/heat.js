@@ -2,7 +2,8 @@
 import {axis, chart, tooltip} from "./charts.js";
 import {divergingStops, viridisStops} from "./colors.js";
 
-// x, y: {name, values (texts)}; cells: {i, j, value, mark, tip}; asText: of a value, for labels and scale.
+// x, y: {name, values (texts)}; cells: {i, j, value, mark, tip}; asText: of a value, for labels and
+// scale.
 export function heatMap(node, label, {x, y, cells, signed, asText}) {
   const most = Math.max(1e-12, ...cells.map((c) => Math.abs(c.value)).filter(Number.isFinite));
   const longest = Math.max(0, ...cells.map((c) => asText(c.value).length));

@@ -1,6 +1,7 @@
 const superscript = (n) => String(n).replace(/[-0-9]/g, (c) => c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c]);
 
-// A number for people: three significant digits unless told otherwise, powers of ten where they are shorter.
+// A number for people: three significant digits unless told otherwise, powers of ten where they are
+// shorter.
 export function short(x, digits = 3) {
   if (x === null || x === undefined) return "–";
   if (typeof x !== "number") return x === "inf" ? "∞" : String(x);
@@ -17,8 +18,8 @@ export function short(x, digits = 3) {
   return String(Number(x.toPrecision(digits))).replace("-", "−");
 }
 
-// A share as percent with two significant digits, never as a power of ten: as percent_text of the program
-// (compare/request/percent.h).
+// A share as percent with two significant digits, never as a power of ten: as percent_text of the
+// program (compare/request/percent.h).
 export function percent(x) {
   if (typeof x !== "number" || Number.isNaN(x)) return x === "inf" ? "∞" : "–";
   if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
@@ -30,8 +31,8 @@ export function percent(x) {
   return `${sign}${size.toFixed(Math.max(0, 1 - exponent))} %`;
 }
 
-// The one number that stands for a colour: its luminance, ITU-R BT.709-6 (phase/math/luminance.h). Errors combine in
-// the same way where channels share walks.
+// The one number that stands for a colour: its luminance, ITU-R BT.709-6 (phase/math/luminance.h).
+// Errors combine in the same way where channels share walks.
 export const luminanceWeights = [0.2126, 0.7152, 0.0722];
 export const luminanceName = "luminance (Rec. 709)";
 export const luminance = (list) => list.length === 1 ? list[0] : luminanceWeights.reduce((sum, w, c) => sum + w * list[c], 0);
