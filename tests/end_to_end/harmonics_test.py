@@ -1,0 +1,58 @@
+"""Stacks without symmetry about the normal, solved in spherical harmonics."""
+import unittest
+
+from lamella_program import ProgramTest
+
+FABRIC = """[[layer]]
+medium = "sggx"
+shape = "fiber"
+axis = [1, 0.2, 0.1]
+roughness = 0.7
+albedo = [0.9, 0.5, 0.5]
+thickness = 1
+"""
+NARROW = FABRIC.replace("roughness = 0.7", "roughness = 0.1")
+
+
+class Harmonics(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("fabric.toml", FABRIC)
+
+    def test_auto_solves_what_walks_answer_too(self):
+        quick = ("fabric.toml", "--wi", "45,30", "--grid", "4x8", "--quiet")
+        solved = self.json_of("simulate", *quick, "--tolerance", "1e-2")
+        self.assertEqual(solved["estimator"], "deterministic")
+        self.assertIn("spherical harmonics of degree", solved["estimator_reason"])
+        [run] = solved["runs"]
+        self.assertGreaterEqual(run["accuracy"]["harmonics"], 12)
+        self.assertLessEqual(run["accuracy"]["error"], 1e-2)
+        [walked] = self.json_of("simulate", *quick, "--walks", "2e5")["runs"]
+        for side in ("reflected", "transmitted"):
+            for c in range(3):
+                error = walked[side]["standard_error"][c] + run[side]["standard_error"][c]
+                self.assertLess(abs(run[side]["total"][c] - walked[side]["total"][c]), 5 * error)
+
+    def test_what_it_does_not_take_is_said(self):
+        self.write("narrow.toml", NARROW)
+        answer = self.lamella("explain", "narrow.toml").out
+        self.assertIn("narrowly", answer)
+        self.write("coated.toml", '[[layer]]\ninterface = "smooth"\nior = 1.5\n' + FABRIC)
+        answer = self.lamella("simulate", "coated.toml", "--estimator", "deterministic", status=2)
+        self.assertIn("interfaces", answer.err)
+        self.assertEqual(len(answer.err.splitlines()), 1)
+        pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.7,0\n")
+        answer = self.lamella("eval", "truth", "stack=fabric.toml", "estimator=deterministic",
+                              "--pairs", pairs, status=2)
+        self.assertEqual(len(answer.err.splitlines()), 1)
+
+    def test_a_run_is_repeated_to_the_degree_where_it_ended(self):
+        self.lamella("simulate", "fabric.toml", "--wi", "30", "--grid", "2x4", "--tolerance", "2e-2",
+                     "--quiet", "-o", "first.exr")
+        self.assertIn("lamella.modes", self.lamella("show", "first.exr").out)
+        answer = self.json_of("rerun", "first.exr", "--quiet", "--threads", "1")
+        self.assertEqual((answer["same"], answer["differences"]), (True, []))
+
+
+if __name__ == "__main__":
+    unittest.main()
