@@ -158,6 +158,7 @@ std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& p
   HarmonicOptions solver{
       .tolerance = request.tolerance,
       .max_seconds = request.estimator ? request.effort.seconds.value_or(kSeconds) : kTrialSeconds,
+      .isa = request.isa,
       .stop = stop,
       .report = report};
   if (request.solver_end) {

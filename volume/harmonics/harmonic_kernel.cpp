@@ -103,7 +103,7 @@ std::vector<MatrixXd> lambert_blocks(const AxialNormals& normals, const Harmonic
 // Mirrors: about its own normal a flake turns each harmonic by half a turn and weights it with the
 // clamped cosine; then the mean over the normals, whose azimuth keeps each m apart.
 std::vector<MatrixXd> mirror_blocks(const AxialNormals& normals, double f0,
-                                    const HarmonicBasis& basis) {
+                                    const HarmonicBasis& basis, const MatrixProduct& product) {
   const int degree = basis.degree();
   // By m: of one flake.
   const Quadrature& half = cached_gauss_legendre(degree + 6);
@@ -140,8 +140,8 @@ std::vector<MatrixXd> mirror_blocks(const AxialNormals& normals, double f0,
       for (Eigen::Index k = 0; k < rule.points.size(); ++k)
         weights[k] =
             2 * kPi * normals.density(rule.points[k]) * std::sin(rule.points[k]) * rule.weights[k];
-      const auto part = turns.bottomRows(rows);
-      const MatrixXd mean = part * weights.asDiagonal() * part.transpose();
+      const MatrixXd part = turns.bottomRows(rows);
+      const MatrixXd mean = product(part, weights.asDiagonal() * part.transpose());
       block.bottomRightCorner(rows, rows) +=
           mean.cwiseProduct(one[std::abs(n)].bottomRightCorner(rows, rows));
     }
@@ -151,21 +151,23 @@ std::vector<MatrixXd> mirror_blocks(const AxialNormals& normals, double f0,
 
 }  // namespace
 
-HarmonicKernel::HarmonicKernel(const Medium& medium, double f0, const HarmonicBasis& basis)
-    : basis_(basis) {
+HarmonicKernel::HarmonicKernel(const Medium& medium, double f0, const HarmonicBasis& basis,
+                               MatrixProduct product)
+    : basis_(basis), product_(product) {
   if (const auto reason = why_no_harmonics(medium)) throw std::invalid_argument(*reason);
   const auto normals = axial_normals(medium);
   if (!normals) {
     by_degree_ = particle_factors(medium, basis);
     return;
   }
-  by_m_ = normals->mirrors ? mirror_blocks(*normals, f0, basis) : lambert_blocks(*normals, basis);
+  by_m_ = normals->mirrors ? mirror_blocks(*normals, f0, basis, product)
+                           : lambert_blocks(*normals, basis);
   // The kernel is symmetric in the directions that point away from the event; light comes along
   // the opposite of one of them.
   for (int m = 0; m <= basis.degree(); ++m)
     for (int l = m; l <= basis.degree(); ++l) by_m_[m].col(l - m) *= sign_of(l);
   const Direction axis = normals->axis;
-  if (axis.x != 0 || axis.y != 0 || axis.z < 0) turn_.emplace(basis, axis);
+  if (axis.x != 0 || axis.y != 0 || axis.z < 0) turn_.emplace(basis, axis, product);
 }
 
 MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
@@ -185,7 +187,7 @@ MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
     for (const bool sine : {false, true}) {
       if (sine && m == 0) continue;
       const int first = basis_.first(m, sine), count = basis_.count(m);
-      source.middleRows(first, count).noalias() = by_m_[m] * turned.middleRows(first, count);
+      source.middleRows(first, count) = product_(by_m_[m], turned.middleRows(first, count));
     }
   });
   return turn_ ? turn_->from_axis(source) : source;

@@ -16,13 +16,15 @@ class HarmonicKernel {
  public:
   /// f0: Schlick's, of mirror flakes. Throws std::invalid_argument where why_no_harmonics tells
   /// why.
-  HarmonicKernel(const Medium& medium, double f0, const HarmonicBasis& basis);
+  HarmonicKernel(const Medium& medium, double f0, const HarmonicBasis& basis,
+                 MatrixProduct product = MatrixProduct());
 
   /// Columns: functions on the sphere, in the slab's frame.
   [[nodiscard]] Eigen::MatrixXd apply(const Eigen::MatrixXd& radiance) const;
 
  private:
   HarmonicBasis basis_;
+  MatrixProduct product_;
   Eigen::VectorXd by_degree_;          // of particles
   std::vector<Eigen::MatrixXd> by_m_;  // of flakes
   std::optional<HarmonicTurn> turn_;   // to their axis, unless it is z

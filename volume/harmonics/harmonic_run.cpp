@@ -116,7 +116,8 @@ class Refinement {
                                         {.degree = degree,
                                          .depth_nodes = std::min(9, 6 + static_cast<int>(levels_)),
                                          .finest = std::min(1e-4, lowest_ / 4),
-                                         .residual = std::min(1e-8, options_.tolerance / 100)});
+                                         .residual = std::min(1e-8, options_.tolerance / 100),
+                                         .isa = options_.isa});
       next.answers.emplace_back();
       for (const Direction wi : incident_) {
         if (options_.report)

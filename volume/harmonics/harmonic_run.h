@@ -17,6 +17,7 @@ struct HarmonicOptions {
   double tolerance = 1e-4;  ///< of a cell, relative to the mean over its row
   double max_seconds = 60;  ///< a finer solution is not begun where it would end later
   int max_degree = 96;
+  Isa isa = Isa::scalar;  ///< of products of matrices, whose last digits depend on it
   const std::atomic<bool>* stop = nullptr;  ///< once set, what was reached is the answer
   SolverReport report{};
 };

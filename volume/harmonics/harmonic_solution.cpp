@@ -90,7 +90,7 @@ std::array<std::vector<double>, kHarmonicOrders> HarmonicSolution::means(const C
   for (int column = 0; column < grid.columns(); ++column)
     for (Index j = 0; j < rule.points.size(); ++j)
       phi.push_back(turn + width * (column + rule.points[j]));
-  const SphereGrid directions(transport_.basis(), mu, phi);
+  const SphereGrid directions(transport_.basis(), mu, phi, transport_.product());
   std::array<MatrixXd, kHarmonicOrders> values;
   for (int k = 0; k < kHarmonicOrders; ++k) values[k] = directions.values(sources_[k].coefficients);
   MatrixXd f(kHarmonicOrders, directions.size());

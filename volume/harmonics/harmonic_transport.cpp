@@ -36,9 +36,9 @@ HarmonicTransport::HarmonicTransport(const Stack& stack, int channel,
       basis_(resolution.degree),
       streams_(stack, channel, resolution.finest, resolution.depth_nodes),
       grid_(SphereGrid::quadrature(basis_, cosines_for(resolution.degree),
-                                   azimuths_for(resolution.degree))) {
+                                   azimuths_for(resolution.degree), product())) {
   for (const LayeredStreams::Part& part : streams_.parts())
-    kernels_.emplace_back(part.layer->medium, part.layer->f0[channel], basis_);
+    kernels_.emplace_back(part.layer->medium, part.layer->f0[channel], basis_, product());
   if (stack.substrate) ground_albedo_ = stack.substrate->albedo[channel];
   if (streams_.is_cut()) ground_albedo_ = 1;
   blocks_.resize(streams_.block_size() * static_cast<std::size_t>(grid_.size()));
@@ -159,7 +159,7 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
       basis_.values(v, values);
       harmonics.col(k - begin) = weight * values;
     }
-    piece.coefficients = harmonics * radiance.transpose();
+    piece.coefficients = product()(harmonics, radiance.transpose());
   });
   MatrixXd coefficients = MatrixXd::Zero(basis_.size(), streams_.size());
   double arriving = 0;

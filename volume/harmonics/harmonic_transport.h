@@ -18,6 +18,7 @@ struct HarmonicResolution {
   int depth_nodes = 7;      ///< per panel
   double finest = 1e-4;     ///< optical depth of the panels next to boundaries
   double residual = 1e-10;  ///< of the sum over all orders
+  Isa isa = Isa::scalar;    ///< of products of matrices
 };
 
 /// A source function: coefficients by harmonic (rows) and node in depth (columns), and the radiance
@@ -57,6 +58,7 @@ class HarmonicTransport {
   void leaving(Direction wo, std::span<const double* const> values, std::span<const double> ground,
                double* radiance) const;
 
+  [[nodiscard]] MatrixProduct product() const { return MatrixProduct(resolution_.isa); }
   [[nodiscard]] const HarmonicBasis& basis() const { return basis_; }
   [[nodiscard]] int nodes() const { return streams_.size(); }
   [[nodiscard]] int last_iterations() const { return iterations_; }

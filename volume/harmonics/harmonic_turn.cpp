@@ -16,13 +16,13 @@ using Eigen::VectorXd;
 // Wigner's d the turn about y maps
 //   cosine m to cosine n: (-1)^n ((-1)^m d_mn + d_(-m)n), sqrt(2) (-1)^(m + n) d_mn where m or n
 //   is 0 and the other is not, d_00; sine m to sine n: (-1)^n ((-1)^m d_mn - d_(-m)n).
-HarmonicTurn::HarmonicTurn(const HarmonicBasis& basis, Direction axis)
-    : basis_(basis), azimuth_(std::atan2(axis.y, axis.x)) {
+HarmonicTurn::HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product)
+    : basis_(basis), product_(product), azimuth_(std::atan2(axis.y, axis.x)) {
   const int degree = basis.degree();
   const double angle = std::atan2(std::hypot(axis.x, axis.y), axis.z);
   for (int l = 0; l <= degree; ++l) {
-    cosines_.emplace_back(l + 1, l + 1);
-    sines_.emplace_back(l, l);
+    cosines_.push_back({MatrixXd(l + 1, l + 1), {}});
+    sines_.push_back({MatrixXd(l, l), {}});
   }
   tbb::parallel_for(0, degree + 1, [&](int m) {
     VectorXd plus(degree + 1), minus(degree + 1);
@@ -31,17 +31,19 @@ HarmonicTurn::HarmonicTurn(const HarmonicBasis& basis, Direction axis)
       wigner_d(-m, n, angle, minus);
       const double sign_m = m % 2 ? -1 : 1, sign_n = n % 2 ? -1 : 1;
       for (int l = std::max(m, n); l <= degree; ++l) {
-        double& cosine = cosines_[l](n, m);
+        double& cosine = cosines_[l].there(n, m);
         if (m == 0 && n == 0)
           cosine = plus[l];
         else if (m == 0 || n == 0)
           cosine = std::sqrt(2.0) * sign_m * sign_n * plus[l];
         else
           cosine = sign_n * (sign_m * plus[l] + minus[l]);
-        if (m > 0 && n > 0) sines_[l](n - 1, m - 1) = sign_n * (sign_m * plus[l] - minus[l]);
+        if (m > 0 && n > 0) sines_[l].there(n - 1, m - 1) = sign_n * (sign_m * plus[l] - minus[l]);
       }
     }
   });
+  for (std::vector<Turn>* turns : {&cosines_, &sines_})
+    for (Turn& turn : *turns) turn.back = turn.there.transpose();
 }
 
 MatrixXd HarmonicTurn::about_z(const MatrixXd& coefficients, double angle) const {
@@ -60,13 +62,14 @@ MatrixXd HarmonicTurn::about_y(const MatrixXd& coefficients, bool back) const {
   MatrixXd turned(coefficients.rows(), coefficients.cols());
   tbb::parallel_for(0, basis_.degree() + 1, [&](int l) {
     for (const bool sine : {false, true}) {
-      const MatrixXd& turn = sine ? sines_[l] : cosines_[l];
+      const Turn& both = sine ? sines_[l] : cosines_[l];
+      const MatrixXd& turn = back ? both.back : both.there;
       if (turn.size() == 0) continue;
       const int lowest = sine ? 1 : 0;
       MatrixXd rows(turn.rows(), coefficients.cols());
       for (int m = lowest; m <= l; ++m)
         rows.row(m - lowest) = coefficients.row(basis_.place(l, m, sine));
-      const MatrixXd product = back ? MatrixXd(turn.transpose() * rows) : MatrixXd(turn * rows);
+      const MatrixXd product = product_(turn, rows);
       for (int m = lowest; m <= l; ++m)
         turned.row(basis_.place(l, m, sine)) = product.row(m - lowest);
     }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "volume/algebra/matrix_product.h"
 #include "volume/harmonics/harmonic_basis.h"
 
 namespace lamella {
@@ -11,7 +12,7 @@ namespace lamella {
 /// axis is another direction. Columns are functions, rows as HarmonicBasis lists them.
 class HarmonicTurn {
  public:
-  HarmonicTurn(const HarmonicBasis& basis, Direction axis);
+  HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product = MatrixProduct());
 
   [[nodiscard]] Eigen::MatrixXd to_axis(const Eigen::MatrixXd& coefficients) const;
   [[nodiscard]] Eigen::MatrixXd from_axis(const Eigen::MatrixXd& coefficients) const;
@@ -21,9 +22,13 @@ class HarmonicTurn {
   [[nodiscard]] Eigen::MatrixXd about_y(const Eigen::MatrixXd& coefficients, bool back) const;
 
   HarmonicBasis basis_;
+  MatrixProduct product_;
   double azimuth_;
   // By degree: of the cosines (rows and columns m = 0 to l) and of the sines (1 to l).
-  std::vector<Eigen::MatrixXd> cosines_, sines_;
+  struct Turn {
+    Eigen::MatrixXd there, back;
+  };
+  std::vector<Turn> cosines_, sines_;
 };
 
 }  // namespace lamella

@@ -12,18 +12,20 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-SphereGrid::SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi)
-    : basis_(basis), mu_(std::move(mu)), phi_(std::move(phi)) {
+SphereGrid::SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi,
+                       MatrixProduct product)
+    : basis_(basis), product_(product), mu_(std::move(mu)), phi_(std::move(phi)) {
   const int degree = basis.degree();
   VectorXd values(basis.size());
   for (int m = 0; m <= degree; ++m)
-    legendre_.emplace_back(static_cast<Index>(mu_.size()), basis.count(m));
+    legendre_.emplace_back(basis.count(m), static_cast<Index>(mu_.size()));
   for (std::size_t k = 0; k < mu_.size(); ++k) {
     basis.legendre(mu_[k], values);
     for (int m = 0; m <= degree; ++m)
-      legendre_[m].row(static_cast<Index>(k)) =
-          values.segment(basis.first(m, false), basis.count(m)).transpose();
+      legendre_[m].col(static_cast<Index>(k)) =
+          values.segment(basis.first(m, false), basis.count(m));
   }
+  for (const MatrixXd& of_mu : legendre_) legendre_of_l_.emplace_back(of_mu.transpose());
   waves_.resize(static_cast<Index>(phi_.size()), 2 * degree + 1);
   for (std::size_t p = 0; p < phi_.size(); ++p) {
     const Index row = static_cast<Index>(p);
@@ -33,9 +35,11 @@ SphereGrid::SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::
       waves_(row, 2 * m) = std::sqrt(2.0) * std::sin(m * phi_[p]);
     }
   }
+  waves_of_phi_ = waves_.transpose();
 }
 
-SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths) {
+SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths,
+                                  MatrixProduct product) {
   const Quadrature& rule = cached_gauss_legendre(mu_per_hemisphere);
   std::vector<double> mu, phi, weight;
   const double step = 2 * kPi / azimuths;
@@ -47,7 +51,7 @@ SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, int mu_per_hemisph
     }
   // Half a step off the axes, where planes of symmetry lie.
   for (int p = 0; p < azimuths; ++p) phi.push_back(step * (p + 0.5));
-  SphereGrid grid(basis, std::move(mu), std::move(phi));
+  SphereGrid grid(basis, std::move(mu), std::move(phi), product);
   grid.weight_ = std::move(weight);
   return grid;
 }
@@ -65,9 +69,9 @@ MatrixXd SphereGrid::values(const MatrixXd& coefficients) const {
     for (const bool sine : {false, true}) {
       if (sine && m == 0) continue;
       const int wave = m == 0 ? 0 : 2 * m - (sine ? 0 : 1);
-      amplitudes.middleCols(wave * cosines, cosines).noalias() =
-          coefficients.middleRows(basis_.first(m, sine), basis_.count(m)).transpose() *
-          legendre_[m].transpose();
+      amplitudes.middleCols(wave * cosines, cosines) =
+          product_(coefficients.middleRows(basis_.first(m, sine), basis_.count(m)).transpose(),
+                   legendre_[m]);
     }
   });
   MatrixXd result(functions, size());
@@ -75,7 +79,7 @@ MatrixXd SphereGrid::values(const MatrixXd& coefficients) const {
     MatrixXd of_mu(functions, 2 * degree + 1);
     for (int wave = 0; wave <= 2 * degree; ++wave)
       of_mu.col(wave) = amplitudes.col(wave * cosines + k);
-    result.middleCols(k * azimuths(), azimuths()).noalias() = of_mu * waves_.transpose();
+    result.middleCols(k * azimuths(), azimuths()) = product_(of_mu, waves_of_phi_);
   });
   return result;
 }
@@ -85,7 +89,8 @@ MatrixXd SphereGrid::coefficients(const MatrixXd& values) const {
   const int degree = basis_.degree();
   MatrixXd amplitudes(functions, cosines * (2 * degree + 1));
   tbb::parallel_for(Index{0}, cosines, [&](Index k) {
-    const MatrixXd of_mu = weight_[k] * values.middleCols(k * azimuths(), azimuths()) * waves_;
+    const MatrixXd of_mu =
+        weight_[k] * product_(values.middleCols(k * azimuths(), azimuths()), waves_);
     for (int wave = 0; wave <= 2 * degree; ++wave)
       amplitudes.col(wave * cosines + k) = of_mu.col(wave);
   });
@@ -94,8 +99,8 @@ MatrixXd SphereGrid::coefficients(const MatrixXd& values) const {
     for (const bool sine : {false, true}) {
       if (sine && m == 0) continue;
       const int wave = m == 0 ? 0 : 2 * m - (sine ? 0 : 1);
-      result.middleRows(basis_.first(m, sine), basis_.count(m)).noalias() =
-          legendre_[m].transpose() * amplitudes.middleCols(wave * cosines, cosines).transpose();
+      result.middleRows(basis_.first(m, sine), basis_.count(m)) =
+          product_(legendre_[m], amplitudes.middleCols(wave * cosines, cosines).transpose());
     }
   });
   return result;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "volume/algebra/matrix_product.h"
 #include "volume/harmonics/harmonic_basis.h"
 
 namespace lamella {
@@ -11,10 +12,12 @@ namespace lamella {
 /// k * azimuths + p, between which and spherical harmonics functions are carried cosine by cosine.
 class SphereGrid {
  public:
-  SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi);
+  SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi,
+             MatrixProduct product = MatrixProduct());
   /// Quadrature over the sphere: mu = t^2 on each hemisphere with Gauss-Legendre in t, so that
   /// functions with a jump at mu = 0 are integrated, too; even steps of phi. Upwards first.
-  static SphereGrid quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths);
+  static SphereGrid quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths,
+                               MatrixProduct product = MatrixProduct());
 
   [[nodiscard]] int size() const { return static_cast<int>(mu_.size() * phi_.size()); }
   [[nodiscard]] int azimuths() const { return static_cast<int>(phi_.size()); }
@@ -29,9 +32,12 @@ class SphereGrid {
 
  private:
   HarmonicBasis basis_;
+  MatrixProduct product_;
   std::vector<double> mu_, phi_, weight_;
-  std::vector<Eigen::MatrixXd> legendre_;  // by m: rows mu, columns l
-  Eigen::MatrixXd waves_;                  // rows phi; columns 1, then cosine and sine of each m
+  // By m: rows l, columns mu, and the other way round.
+  std::vector<Eigen::MatrixXd> legendre_, legendre_of_l_;
+  // Columns 1, then cosine and sine of each m, rows phi; and the other way round.
+  Eigen::MatrixXd waves_, waves_of_phi_;
 };
 
 }  // namespace lamella
