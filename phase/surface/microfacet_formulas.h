@@ -22,6 +22,18 @@ struct GgxFacets {
     return Real(0.5) * select(w.z > Real(0), w.z + root, divide(s2, root - w.z));
   }
 
+  /// What the facets show to a direction above the surface, and to the opposite one below it.
+  struct Areas {
+    Real seen, hidden;
+  };
+  [[nodiscard]] LAMELLA_INLINE Areas areas(Vec3<Real> w) const {
+    using std::sqrt;
+    const Real x = alpha_x * w.x, y = alpha_y * w.y;
+    const Real s2 = multiply_add(x, x, y * y);
+    const Real sum = w.z + sqrt(multiply_add(w.z, w.z, s2));
+    return {Real(0.5) * sum, divide(Real(0.5) * s2, sum)};
+  }
+
   /// D(m) [1/sr], integral of D(m) m.z is 1; 0 for m.z <= 0. m: unit.
   [[nodiscard]] LAMELLA_INLINE Real density(Vec3<Real> m) const {
     const Real x = divide(m.x, alpha_x), y = divide(m.y, alpha_y);
@@ -41,6 +53,18 @@ struct GgxFacets {
     const auto [s, c] = sine_cosine_of_turns(u1);
     const Vec3<Real> h{multiply_add(sine, c, v.x), multiply_add(sine, s, v.y), z + v.z};
     return normalized(Vec3<Real>{alpha_x * h.x, alpha_y * h.y, nonnegative(h.z)});
+  }
+  /// The same for w above the surface and a uniform azimuth: with numbers of few digits, too,
+  /// grazing facets (u near 0) are told apart.
+  [[nodiscard]] LAMELLA_INLINE Vec3<Real> visible_normal(Vec3<Real> w, SineCosine<Real> azimuth,
+                                                         Real u) const {
+    using std::sqrt;
+    const Vec3<Real> v = normalized(Vec3<Real>{alpha_x * w.x, alpha_y * w.y, w.z});
+    const Real z = (Real(1) + v.z) * u;  // of h
+    const Real sine = sqrt(nonnegative((Real(1) - z + v.z) * (Real(1) + z - v.z)));
+    const Vec3<Real> h{multiply_add(sine, azimuth.cosine, v.x),
+                       multiply_add(sine, azimuth.sine, v.y), z};
+    return normalized(Vec3<Real>{alpha_x * h.x, alpha_y * h.y, z});
   }
 };
 

@@ -102,7 +102,10 @@ void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& 
                                     plan.channels == 1
                                         ? "none: a walk's order tells its weight"
                                         : "none: colours are recombined from orders, c^k f_k",
-                                    "one albedo in all layers, no Fresnel factor, no substrate"}
+                                    plan.layers.empty()
+                                        ? "the substrate's albedo is the only one"
+                                        : "one albedo in all layers, no Fresnel factor, no "
+                                          "substrate"}
                          : PlanNote{"weights", "carried by each walk, one per channel",
                                     "albedos differ, or a Fresnel factor or substrate takes its "
                                     "share"});

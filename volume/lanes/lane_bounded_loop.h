@@ -1,0 +1,196 @@
+#pragma once
+
+// Many walks on lanes through stacks with interfaces. Events in media and meetings with interfaces
+// are steps of their own, each for the lanes that are there: light at an interface waits until
+// there is enough of it. Only for sources of lamella_lanes().
+
+#include "volume/lanes/lane_boundaries.h"
+#include "volume/lanes/lane_loop.h"
+
+namespace lamella::LAMELLA_ISA {
+
+/// The part of a set's walks that has to wait at interfaces until they are met.
+inline constexpr int kWaiting = 2;
+
+template <int C>
+using BoundedWalks = LaneWalks<C, BoundedState<Floats, C>>;
+
+/// What one kind of step of all sets works on.
+struct BoundedStep {
+  FloatMask lanes[kSets];  ///< which take part
+  int count[kSets] = {};
+  LaneDraws<Floats> draws[kSets];
+  AnyMedia<Floats>::Flight flights[kSets];
+};
+
+/// Numbers of the lanes that take part; the others keep theirs.
+template <int C>
+LAMELLA_INLINE void keep_others(const WalkNumbers<Words>& before, FloatMask drew,
+                                BoundedState<Floats, C>& w) {
+  const WordMask words = to_word_mask(drew);
+  for (int k = 0; k < 4; ++k) w.numbers.s[k] = select(words, w.numbers.s[k], before.s[k]);
+}
+
+/// Flights of all sets, by turns.
+template <int C, class Set>
+LAMELLA_INLINE void fly_by_turns(const Set& set, BoundedWalks<C> (&all)[kSets], BoundedStep& step) {
+  for (bool flying = true; flying;) {
+    flying = false;
+    for (int k = 0; k < kSets; ++k) {
+      BoundedState<Floats, C>& w = all[k].state;
+      if (any(step.flights[k].flies)) flying |= set.cross(step.flights[k], w.wi, w.layer, w.y);
+    }
+  }
+}
+
+/// Hands over walks that ended, `bits` telling how, and frees their lanes.
+template <int C, class Set, class Score>
+LAMELLA_INLINE void hand_over(const LoopSetting<C, Set, Score>& s, BoundedWalks<C>& walks,
+                              FloatMask ends, Words bits,
+                              typename LoopSetting<C, Set, Score>::Ended& ended,
+                              LoopTotals& totals) {
+  using Ended = typename LoopSetting<C, Set, Score>::Ended;
+  BoundedState<Floats, C>& w = walks.state;
+  totals.poison = multiply_add(w.wi.z, Floats(0), totals.poison);
+  Words events = shift_left<Ended::kBits>(w.order) | bits;
+  events = select(equal(w.met & Words(1u), Words(0u)), events | Words(kMetDeltasBit), events);
+  if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
+  const int at = ended.size;
+  store_compressed(events, ends, ended.events + at);
+  if constexpr (Score::kUsesIndex)
+    if (s.task.batch_count > 1) store_compressed(w.index, ends, ended.index + at);
+  store_compressed(w.wi.z, ends, ended.z + at);
+  if (s.task.estimate == LaneEstimate::cells_counted) {
+    store_compressed(w.wi.x, ends, ended.x + at);
+    store_compressed(w.wi.y, ends, ended.y + at);
+  }
+  if constexpr (C > 0)
+    for (int c = 0; c < C; ++c) store_compressed(w.weight[c], ends, ended.weight[c] + at);
+  const int fallen = count(ends);
+  ended.size += fallen;
+  walks.free = walks.free | ends;
+  walks.free_count += fallen;
+  w.met = select(to_word_mask(ends), Words(0u), w.met);
+  w.layer = select(to_word_mask(ends), Words(0u), w.layer);
+}
+
+/// Sets of which enough walks wait at interfaces meet them, and fly on.
+template <int C, class Set, class Score>
+LAMELLA_INLINE void meet_boundaries(const LoopSetting<C, Set, Score>& s,
+                                    BoundedWalks<C> (&all)[kSets],
+                                    typename LoopSetting<C, Set, Score>::Ended& ended,
+                                    LoopTotals& totals, std::uint64_t& meetings) {
+  BoundedStep step;
+  BoundaryEnds<Floats> now[kSets];
+  const FloatMask none = first_lanes<float>(0);
+  bool any_meets = false;
+  for (int k = 0; k < kSets; ++k) {
+    BoundedWalks<C>& walks = all[k];
+    BoundedState<Floats, C>& w = walks.state;
+    step.flights[k].flies = none;
+    const int active = kLanes - walks.free_count;
+    if (active == 0) continue;
+    step.lanes[k] = without(s.set.is_at_boundary(w.layer), walks.free);
+    const int waiting = count(step.lanes[k]);
+    if (waiting == 0 || (waiting < active && kWaiting * waiting < kLanes)) continue;
+    any_meets = true;
+    step.count[k] = waiting;
+    const WalkNumbers<Words> before = w.numbers;
+    Words words[kMostBoundaryWords];
+    for (int j = 0; j < s.task.walk.boundaries->words; ++j) words[j] = w.numbers.next();
+    keep_others<C>(before, step.lanes[k], w);
+    now[k] = meet<Floats, C>(s.task.walk, w, words, step.lanes[k]);
+    step.flights[k] =
+        s.set.begin_flight(w.wi, exponential_of(words[0]), now[k].lives, w.layer, w.y);
+  }
+  if (!any_meets) return;
+  fly_by_turns<C>(s.set, all, step);
+  for (int k = 0; k < kSets; ++k) {
+    if (step.count[k] == 0) continue;
+    const FloatMask goes_on = now[k].lives & step.flights[k].collides;
+    const FloatMask ends = without(step.lanes[k], goes_on);
+    Words bits = select(to_word_mask(now[k].lost), Words(kLostBit), Words(0u));
+    bits = select(to_word_mask(now[k].cut), Words(kCutBit), bits);
+    hand_over<C>(s, all[k], ends, bits, ended, totals);
+    meetings += static_cast<std::uint64_t>(step.count[k]);
+    totals.carried += static_cast<std::uint64_t>(step.count[k]);
+    ++totals.steps;
+  }
+}
+
+/// Events of the walks that collide, and the flights that follow.
+template <int C, class Set, class Score>
+LAMELLA_INLINE void collide(const LoopSetting<C, Set, Score>& s, BoundedWalks<C> (&all)[kSets],
+                            typename LoopSetting<C, Set, Score>::Ended& ended, LoopTotals& totals) {
+  BoundedStep step;
+  LaneEnds<Floats> now[kSets];
+  const FloatMask none = first_lanes<float>(0);
+  for (int k = 0; k < kSets; ++k) {
+    BoundedWalks<C>& walks = all[k];
+    BoundedState<Floats, C>& w = walks.state;
+    step.flights[k].flies = none;
+    step.lanes[k] = without(!walks.free, s.set.is_at_boundary(w.layer));
+    step.count[k] = count(step.lanes[k]);
+    if (step.count[k] == 0) continue;
+    const WalkNumbers<Words> before = w.numbers;
+    draw<C>(s.set, w, step.draws[k]);
+    keep_others<C>(before, step.lanes[k], w);
+    now[k] = scatter<C>(s.task.walk, s.set, w, step.draws[k], step.lanes[k], s.score);
+    w.met = select(to_word_mask(now[k].events), Words(0u), w.met);
+    step.flights[k] = s.set.begin_flight(w.wi, step.draws[k].remaining,
+                                         step.lanes[k] & now[k].lives, w.layer, w.y);
+  }
+  fly_by_turns<C>(s.set, all, step);
+  for (int k = 0; k < kSets; ++k) {
+    if (step.count[k] == 0) continue;
+    const FloatMask ends = without(step.lanes[k], now[k].lives & step.flights[k].collides);
+    hand_over<C>(s, all[k], ends, select(to_word_mask(now[k].lives), Words(0u), Words(1u)), ended,
+                 totals);
+    totals.events += static_cast<std::uint64_t>(count(now[k].events));
+    totals.reflections += static_cast<std::uint64_t>(count(now[k].reflections));
+    totals.carried += static_cast<std::uint64_t>(step.count[k]);
+    ++totals.steps;
+  }
+}
+
+/// The walks of a task through a stack with interfaces.
+template <int C, class Set, class Score>
+[[gnu::noinline]] void bounded_walks_of(const LaneWalkTask& t, const Score& score) {
+  using Setting = LoopSetting<C, Set, Score>;
+  using Ended = typename Setting::Ended;
+  const Set set(t.walk);
+  const Setting s{t,     set,
+                  score, {Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])},
+                  false, first_lanes<float>(kLanes)};
+  typename Setting::Pool pool;
+  Ended ended;
+  LoopTotals totals;
+  std::uint64_t meetings = 0;
+  BoundedWalks<C> all[kSets];
+  for (BoundedWalks<C>& w : all) {
+    empty(w, s.incident);
+    w.state.met = Words(0u);
+  }
+  pool.fill(t, set);
+  for (;;) {
+    const int walking = take_walks(s, pool, all);
+    if (walking == 0) break;
+    if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
+    meet_boundaries<C>(s, all, ended, totals, meetings);
+    if (ended.size >= Ended::kSize) ended.count_all(t);
+    collide<C>(s, all, ended, totals);
+    if (ended.size >= Ended::kSize) ended.count_all(t);
+  }
+  ended.count_all(t);
+  LaneSums& sums = *t.batches[0].sums;
+  ended.add_counts(sums);
+  score.finish();
+  sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
+  sums.busy_lane_steps += totals.carried;
+  sums.events += totals.events;
+  sums.meetings += meetings;
+  sums.reflections += totals.reflections;
+  sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
+}
+
+}  // namespace lamella::LAMELLA_ISA
