@@ -193,4 +193,193 @@ template <int C, class Set, class Score>
   sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
 }
 
+/// Walks that no lane has, the last one first.
+template <int C>
+struct StoredWalks {
+  static constexpr int kMost = 4 * kSets * kLanes, kRoom = kMost + kLanes, kRows = 13 + C;
+  int size = 0;
+  alignas(64) std::uint32_t rows[kRows][kRoom];
+
+  /// f(a number of the walks, its row) for all that is stored.
+  template <class F>
+  LAMELLA_INLINE static void each(BoundedState<Floats, C>& w, const F& f) {
+    const auto number = [&](Floats& x, int row) LAMELLA_INLINE_LAMBDA {
+      Words bits = bits_of(x);
+      f(bits, row);
+      x = from_bits(bits);
+    };
+    number(w.wi.x, 0), number(w.wi.y, 1), number(w.wi.z, 2), number(w.y, 3);
+    f(w.layer, 4), f(w.order, 5), f(w.index, 6), f(w.death, 7), f(w.met, 8);
+    for (int k = 0; k < 4; ++k) f(w.numbers.s[k], 9 + k);
+    for (int c = 0; c < C; ++c) number(w.weight[c], 13 + c);
+  }
+  LAMELLA_INLINE void push(BoundedState<Floats, C> w, FloatMask lanes) {
+    each(w, [&](Words& x, int row)
+                LAMELLA_INLINE_LAMBDA { store_compressed(x, lanes, rows[row] + size); });
+    size += count(lanes);
+  }
+  /// Gives the last walks to the lanes `free`, as far as there are some; which lanes they are.
+  LAMELLA_INLINE FloatMask pop(BoundedState<Floats, C>& w, FloatMask free) {
+    const Words rank = rank_of(free);
+    const int wanted = count(free), taken = wanted < size ? wanted : size;
+    const FloatMask take =
+        free & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(taken))));
+    const WordMask words = to_word_mask(take);
+    size -= taken;
+    each(w, [&](Words& x, int row) LAMELLA_INLINE_LAMBDA {
+      x = select(words, permute(Words::load(rows[row] + size), rank), x);
+    });
+    return take;
+  }
+};
+
+/// Loop through a stack with media: lanes hold walks that collide; those at interfaces are stored
+/// until there are enough of them, as are those that come from there.
+template <int C, class Set, class Score>
+struct QueuedWalks {
+  using Setting = LoopSetting<C, Set, Score>;
+  using State = BoundedState<Floats, C>;
+  static constexpr int kMost = kSets * kLanes;
+  const Setting& s;
+  typename Setting::Pool pool;
+  typename Setting::Ended ended;
+  LoopTotals totals;
+  std::uint64_t meetings = 0;
+  StoredWalks<C> ready, waiting;
+  BoundedWalks<C> all[kSets], packets[kSets];
+
+  explicit QueuedWalks(const Setting& setting) : s(setting) {
+    for (BoundedWalks<C>* walks : {all, packets})
+      for (int k = 0; k < kSets; ++k) {
+        empty(walks[k], s.incident);
+        walks[k].state.met = Words(0u);
+      }
+  }
+
+  /// Sends walks on from where a flight or the entry left them.
+  LAMELLA_INLINE void distribute(const State& w, FloatMask lanes) {
+    const FloatMask at = lanes & s.set.is_at_boundary(w.layer);
+    waiting.push(w, at);
+    ready.push(w, without(lanes, at));
+  }
+
+  /// Walks for `ready`, until it can fill all lanes or there are no more.
+  [[gnu::noinline]] void feed(int walking) {
+    const LaneWalkTask& t = s.task;
+    const FloatMask every = first_lanes<float>(kLanes), none = first_lanes<float>(0);
+    while (ready.size < kMost) {
+      BoundedStep step;
+      BoundaryEnds<Floats> now[kSets];
+      bool found = false;
+      for (int k = 0; k < kSets; ++k) {
+        State& w = packets[k].state;
+        step.flights[k].flies = step.lanes[k] = none;
+        step.count[k] = 0;
+        if (pool.to - pool.from < kLanes) pool.fill(t, s.set);
+        const int fresh = pool.to - pool.from;
+        if (waiting.size >= kLanes ||
+            (fresh == 0 && waiting.size > 0 && walking + ready.size <= kMost / 2)) {
+          step.lanes[k] = waiting.pop(w, every);
+        } else if (fresh > 0) {
+          const int n = fresh < kLanes ? fresh : kLanes;
+          step.lanes[k] = first_lanes<float>(n);
+          refill<C>(pool, s.incident, w, step.lanes[k], Words::iota());
+          w.met = Words(0u);
+          pool.from += n;
+          Words entry;
+          if (!s.set.enters_at_boundary(entry)) {
+            distribute(w, step.lanes[k]);
+            step.lanes[k] = none;
+            found = true;
+            continue;
+          }
+        }
+        step.count[k] = count(step.lanes[k]);
+        if (step.count[k] == 0) break;
+        found = true;
+      }
+      if (!found) return;
+      for (int k = 0; k < kSets && step.count[k] > 0; ++k) {
+        State& w = packets[k].state;
+        Words words[kMostBoundaryWords];
+        for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
+        now[k] = meet<Floats, C>(t.walk, w, words, step.lanes[k]);
+        step.flights[k] =
+            s.set.begin_flight(w.wi, exponential_of(words[0]), now[k].lives, w.layer, w.y);
+      }
+      fly_by_turns<C>(s.set, packets, step);
+      for (int k = 0; k < kSets && step.count[k] > 0; ++k) {
+        const FloatMask goes_on = now[k].lives & step.flights[k].collides;
+        Words bits = select(to_word_mask(now[k].lost), Words(kLostBit), Words(0u));
+        bits = select(to_word_mask(now[k].cut), Words(kCutBit), bits);
+        distribute(packets[k].state, goes_on);
+        hand_over<C>(s, packets[k], without(step.lanes[k], goes_on), bits, ended, totals);
+        meetings += static_cast<std::uint64_t>(step.count[k]);
+        totals.carried += static_cast<std::uint64_t>(step.count[k]);
+        ++totals.steps;
+      }
+      if (ended.size >= Setting::Ended::kSize) ended.count_all(t);
+    }
+  }
+
+  /// Gives walks to free lanes; how many are on their way then.
+  LAMELLA_INLINE int take() {
+    int walking = 0;
+    for (BoundedWalks<C>& w : all) {
+      if (w.free_count > 0 && ready.size > 0) {
+        const FloatMask taken = ready.pop(w.state, w.free);
+        w.free = without(w.free, taken);
+        w.free_count -= count(taken);
+      }
+      walking += kLanes - w.free_count;
+    }
+    return walking;
+  }
+
+  [[gnu::noinline]] void run() {
+    const LaneWalkTask& t = s.task;
+    int walking = 0;
+    pool.fill(t, s.set);
+    for (;;) {
+      if (ready.size < kMost) feed(walking);
+      walking = take();
+      if (walking == 0 && waiting.size == 0) break;
+      if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
+      collide<C>(s, all, ended, totals);
+      for (BoundedWalks<C>& walks : all) {
+        const FloatMask at = without(s.set.is_at_boundary(walks.state.layer), walks.free);
+        if (!any(at)) continue;
+        const int gone = count(at);
+        waiting.push(walks.state, at);
+        walks.state.layer = select(to_word_mask(at), Words(0u), walks.state.layer);
+        walks.free = walks.free | at;
+        walks.free_count += gone;
+        walking -= gone;
+      }
+      if (ended.size >= Setting::Ended::kSize) ended.count_all(t);
+    }
+    ended.count_all(t);
+    LaneSums& sums = *t.batches[0].sums;
+    ended.add_counts(sums);
+    s.score.finish();
+    sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
+    sums.busy_lane_steps += totals.carried;
+    sums.events += totals.events;
+    sums.meetings += meetings;
+    sums.reflections += totals.reflections;
+    sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
+  }
+};
+
+/// The walks of a task through a stack with interfaces and media.
+template <int C, class Set, class Score>
+[[gnu::noinline]] void queued_walks_of(const LaneWalkTask& t, const Score& score) {
+  const Set set(t.walk);
+  const LoopSetting<C, Set, Score> s{
+      t,     set,
+      score, {Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])},
+      false, first_lanes<float>(kLanes)};
+  QueuedWalks<C, Set, Score>(s).run();
+}
+
 }  // namespace lamella::LAMELLA_ISA
