@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include "compare/bench/benchmark.h"
 #include "compare/bench/textbook_coat.h"
@@ -74,7 +75,8 @@ void measure_coat(const Coat& coat, const BenchmarkEffort& effort, std::uint64_t
 }  // namespace
 
 void measure_coats(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
-  for (const Coat& coat : kCoats) measure_coat(coat, effort, seed, report);
+  tbb::task_arena one(1);
+  for (const Coat& coat : kCoats) one.execute([&] { measure_coat(coat, effort, seed, report); });
 }
 
 }  // namespace lamella

@@ -95,7 +95,6 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
   for (const BenchmarkStack& stack : benchmark_media())
     for (const Task& task : kTasks)
       one.execute([&] { measure_walk(stack, task, effort, seed, report); });
-  one.execute([&] { measure_coats(effort, seed, report); });
 }
 
 void measure_plan(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {

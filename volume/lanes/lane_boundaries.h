@@ -26,12 +26,15 @@ enum BoundaryField {
 template <class Scalar>
 struct BoundaryNumbers {
   Scalar value[kBoundaryFields][kMostLaneLayers] = {};
-  bool smooth = false, rough = false;    ///< there are some
+  bool smooth = false, rough = false;  ///< there are some
+  bool ggx = false, beckmann = false;
   bool beta = false, separable = false;  ///< Masking of rough ones
+  int only = -1;                         ///< the place of the interface if there is one alone
   /// Words that light at a boundary takes, that of the next free flight first.
-  int words = 2;
+  int words = 2;  // kSmoothWords
 };
-inline constexpr int kMostBoundaryWords = 6;
+inline constexpr int kSmoothWords = 2, kGgxWords = 6, kBeckmannWords = 8;
+inline constexpr int kMostBoundaryWords = kBeckmannWords;
 /// Layers of stacks with interfaces, whose boundaries are one more.
 inline constexpr int kMostBoundedLayers = kMostLaneLayers - 1;
 
@@ -92,6 +95,15 @@ struct BoundedMedia : AnyMedia<Real> {
     y = select(f.flies, select(f.down, Real(0), lookup(t.layers->value[kDepth], layer)), y);
     return any(f.flies);
   }
+  /// Through a stack without media: which of the lanes `flies` reach an interface or the substrate.
+  LAMELLA_INLINE Mask hop(Vec3<Real> wi, Mask flies, Words& layer) const {
+    const auto down = to_word_mask(wi.z > Real(0));
+    const Words boundary = select(down, layer + Words(1u), layer);
+    const Mask stops = flies & (lookup(t.boundaries->value[kShape], boundary) > Real(0));
+    const Words next = select(to_word_mask(stops), boundary + Words(kAtBoundary), boundary);
+    layer = select(to_word_mask(flies), next, layer);
+    return t.substrate ? stops | (flies & to_float_mask(equal(layer, count))) : stops;
+  }
   /// Whether light meets an interface as it enters: then `layer` is where that is.
   LAMELLA_INLINE bool enters_at_boundary(Words& layer) const {
     const int entry = t.from_above ? 0 : t.layer_count;
@@ -151,27 +163,45 @@ LAMELLA_INLINE BoundaryEnds<Real> meet(const WalkSetting<typename NumberTraits<R
   using Words = WordsOf<Real>;
   const auto& b = *t.boundaries;
   const Words at = w.layer & Words(kAtBoundary - 1);
-  const auto number = [&](int field) LAMELLA_INLINE_LAMBDA { return lookup(b.value[field], at); };
+  const auto number = [&](int field) LAMELLA_INLINE_LAMBDA {
+    return b.only < 0 ? lookup(b.value[field], at) : Real(b.value[field][b.only]);
+  };
   // Facets of both sides are the same turned by pi about z.
   const Mask from_below = w.wi.z < Real(0);
   const Vec3<Real> v = select(from_below, -w.wi, w.wi);
-  const Real ratio = select(from_below, number(kRatioUp), number(kRatioDown));
+  const Real ratio_up = number(kRatioUp), ratio_down = number(kRatioDown);
+  const Real ratio = select(from_below, ratio_up, ratio_down);
+  const Real inverse = select(from_below, ratio_down, ratio_up);
   const Real excess = select(from_below, number(kExcessUp), number(kExcessDown));
   const Mask none = without(active, active);
   const Mask smooth = b.rough ? (b.smooth ? number(kShape) < Real(1.5) : none) : active;
 
   Vec3<Real> m{Real(0), Real(0), Real(1)};
-  const GgxFacets<Real> facets{number(kAlphaX), number(kAlphaY)};
+  Real seen(1);
+  const GgxFacets<Real> ggx{number(kAlphaX), number(kAlphaY)};
+  const BeckmannFacets<Real> beckmann{ggx.alpha_x, ggx.alpha_y};
+  const Mask is_beckmann = b.beckmann ? number(kShape) > Real(2.5) : none;
   if (b.rough) {
-    m = facets.visible_normal(v, azimuth_of(words[1]), fine_uniform_of(words[2]));
+    if (b.ggx) {
+      const auto visible = ggx.visible(v, azimuth_of(words[1]), fine_uniform_of(words[2]));
+      m = visible.m;
+      seen = visible.seen;
+    }
+    if (b.beckmann) {
+      const auto slopes = beckmann.seen_by(v);
+      const Vec3<Real> n =
+          beckmann.visible_normal(slopes, azimuth_of(words[1]), exponential_of(words[2]),
+                                  fine_uniform_of(words[6]), fine_uniform_of(words[7]));
+      m = select(is_beckmann, n, m);
+      seen = select(is_beckmann, v.z + beckmann.hidden_area(slopes), seen);
+    }
     if (b.smooth) m = select(smooth, Vec3<Real>{Real(0), Real(0), Real(1)}, m);
   }
   const Real cosine = nonnegative(dot(v, m));
-  const Refraction<Real> r = refraction(cosine, ratio, excess);
+  const Refraction<Real> r = refraction(cosine, ratio, inverse, excess);
   const Mask refracts =
       without(r.cosine > Real(0), fine_uniform_of(words[b.rough ? 3 : 1]) < r.reflectance);
   // Both are along m and v.
-  const Real inverse = reciprocal(ratio);
   const Real along_m = select(refracts, multiply_add(inverse, cosine, -r.cosine), cosine + cosine);
   const Real along_v = select(refracts, -inverse, Real(-1));
   Vec3<Real> wo = along_m * m + along_v * v;
@@ -182,8 +212,10 @@ LAMELLA_INLINE BoundaryEnds<Real> meet(const WalkSetting<typename NumberTraits<R
   if (b.rough) {
     using std::abs;
     const Real z = max(abs(wo.z), Real(1e-30));
-    const auto seen = facets.areas(v).seen;
-    const auto hidden = facets.areas({wo.x, wo.y, z}).hidden;
+    Real hidden(0);
+    if (b.ggx) hidden = ggx.hidden_area({wo.x, wo.y, z});
+    if (b.beckmann)
+      hidden = select(is_beckmann, beckmann.hidden_area(Vec3<Real>{wo.x, wo.y, z}), hidden);
     const Mask passes =
         passes_facets(b, b.beta || b.separable ? number(kMasking) : Real(1), refracts, v.z, seen, z,
                       hidden, exponential_of(words[4]), exponential_of(words[5]));

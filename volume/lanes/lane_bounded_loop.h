@@ -1,16 +1,14 @@
 #pragma once
 
 // Many walks on lanes through stacks with interfaces. Events in media and meetings with interfaces
-// are steps of their own, each for the lanes that are there: light at an interface waits until
-// there is enough of it. Only for sources of lamella_lanes().
+// are steps of their own: light at an interface waits in a store until it fills a register. Only
+// for sources of lamella_lanes().
 
+#include "phase/lanes/lane_erf.h"
 #include "volume/lanes/lane_boundaries.h"
 #include "volume/lanes/lane_loop.h"
 
 namespace lamella::LAMELLA_ISA {
-
-/// The part of a set's walks that has to wait at interfaces until they are met.
-inline constexpr int kWaiting = 2;
 
 template <int C>
 using BoundedWalks = LaneWalks<C, BoundedState<Floats, C>>;
@@ -74,67 +72,20 @@ LAMELLA_INLINE void hand_over(const LoopSetting<C, Set, Score>& s, BoundedWalks<
   w.layer = select(to_word_mask(ends), Words(0u), w.layer);
 }
 
-/// Sets of which enough walks wait at interfaces meet them, and fly on.
-template <int C, class Set, class Score>
-LAMELLA_INLINE void meet_boundaries(const LoopSetting<C, Set, Score>& s,
-                                    BoundedWalks<C> (&all)[kSets],
-                                    typename LoopSetting<C, Set, Score>::Ended& ended,
-                                    LoopTotals& totals, std::uint64_t& meetings) {
-  BoundedStep step;
-  BoundaryEnds<Floats> now[kSets];
-  const FloatMask none = first_lanes<float>(0);
-  bool any_meets = false;
-  for (int k = 0; k < kSets; ++k) {
-    BoundedWalks<C>& walks = all[k];
-    BoundedState<Floats, C>& w = walks.state;
-    step.flights[k].flies = none;
-    const int active = kLanes - walks.free_count;
-    if (active == 0) continue;
-    step.lanes[k] = without(s.set.is_at_boundary(w.layer), walks.free);
-    const int waiting = count(step.lanes[k]);
-    if (waiting == 0 || (waiting < active && kWaiting * waiting < kLanes)) continue;
-    any_meets = true;
-    step.count[k] = waiting;
-    const WalkNumbers<Words> before = w.numbers;
-    Words words[kMostBoundaryWords];
-    for (int j = 0; j < s.task.walk.boundaries->words; ++j) words[j] = w.numbers.next();
-    keep_others<C>(before, step.lanes[k], w);
-    now[k] = meet<Floats, C>(s.task.walk, w, words, step.lanes[k]);
-    step.flights[k] =
-        s.set.begin_flight(w.wi, exponential_of(words[0]), now[k].lives, w.layer, w.y);
-  }
-  if (!any_meets) return;
-  fly_by_turns<C>(s.set, all, step);
-  for (int k = 0; k < kSets; ++k) {
-    if (step.count[k] == 0) continue;
-    const FloatMask goes_on = now[k].lives & step.flights[k].collides;
-    const FloatMask ends = without(step.lanes[k], goes_on);
-    Words bits = select(to_word_mask(now[k].lost), Words(kLostBit), Words(0u));
-    bits = select(to_word_mask(now[k].cut), Words(kCutBit), bits);
-    hand_over<C>(s, all[k], ends, bits, ended, totals);
-    meetings += static_cast<std::uint64_t>(step.count[k]);
-    totals.carried += static_cast<std::uint64_t>(step.count[k]);
-    ++totals.steps;
-  }
-}
-
-/// Events of the walks that collide, and the flights that follow.
+/// Events of all walks, and the flights that follow.
 template <int C, class Set, class Score>
 LAMELLA_INLINE void collide(const LoopSetting<C, Set, Score>& s, BoundedWalks<C> (&all)[kSets],
                             typename LoopSetting<C, Set, Score>::Ended& ended, LoopTotals& totals) {
   BoundedStep step;
   LaneEnds<Floats> now[kSets];
-  const FloatMask none = first_lanes<float>(0);
   for (int k = 0; k < kSets; ++k) {
     BoundedWalks<C>& walks = all[k];
     BoundedState<Floats, C>& w = walks.state;
-    step.flights[k].flies = none;
-    step.lanes[k] = without(!walks.free, s.set.is_at_boundary(w.layer));
-    step.count[k] = count(step.lanes[k]);
+    step.lanes[k] = !walks.free;
+    step.flights[k].flies = without(walks.free, walks.free);
+    step.count[k] = kLanes - walks.free_count;
     if (step.count[k] == 0) continue;
-    const WalkNumbers<Words> before = w.numbers;
     draw<C>(s.set, w, step.draws[k]);
-    keep_others<C>(before, step.lanes[k], w);
     now[k] = scatter<C>(s.task.walk, s.set, w, step.draws[k], step.lanes[k], s.score);
     w.met = select(to_word_mask(now[k].events), Words(0u), w.met);
     step.flights[k] = s.set.begin_flight(w.wi, step.draws[k].remaining,
@@ -153,17 +104,57 @@ LAMELLA_INLINE void collide(const LoopSetting<C, Set, Score>& s, BoundedWalks<C>
   }
 }
 
-/// The walks of a task through a stack with interfaces.
+/// The same in one layer of one medium, known at compile time, without weights.
+template <class One, class Set, class Score>
+LAMELLA_INLINE void collide_in(const One& one, const LoopSetting<0, Set, Score>& s,
+                               BoundedWalks<0> (&all)[kSets],
+                               typename LoopSetting<0, Set, Score>::Ended& ended,
+                               LoopTotals& totals) {
+  LaneDraws<Floats> draws[kSets];
+  LaneEnds<Floats> now[kSets];
+  FloatMask ends[kSets];
+  const auto& shape = s.task.walk.boundaries->value[kShape];
+  const FloatMask every = first_lanes<float>(kLanes), none = first_lanes<float>(0);
+  const FloatMask above = shape[0] > 0 ? every : none, below = shape[1] > 0 ? every : none;
+#pragma GCC unroll 4
+  for (int k = 0; k < kSets; ++k) draw<0>(one, all[k].state, draws[k]);
+#pragma GCC unroll 4
+  for (int k = 0; k < kSets; ++k)
+    now[k] = scatter<0>(s.task.walk, one, all[k].state, draws[k], !all[k].free, s.score);
+#pragma GCC unroll 4
+  for (int k = 0; k < kSets; ++k) {
+    BoundedState<Floats, 0>& w = all[k].state;
+    const FloatMask flies = without(now[k].lives, all[k].free);
+    const FloatMask inside = one.fly(w.wi, draws[k].remaining, flies, w.layer, w.y);
+    const FloatMask down = w.wi.z > Floats(0);
+    const FloatMask at = without(flies, inside) & ((down & below) | without(above, down));
+    w.met = select(to_word_mask(now[k].events), Words(0u), w.met);
+    const Words boundary = select(to_word_mask(down), Words(kAtBoundary + 1), Words(kAtBoundary));
+    w.layer = select(to_word_mask(at), boundary, w.layer);
+    ends[k] = without(!all[k].free, flies & (inside | at));
+  }
+  for (int k = 0; k < kSets; ++k) {
+    const int active = kLanes - all[k].free_count;
+    if (active == 0) continue;
+    hand_over<0>(s, all[k], ends[k], select(to_word_mask(now[k].lives), Words(0u), Words(1u)),
+                 ended, totals);
+    totals.events += static_cast<std::uint64_t>(count(now[k].events));
+    totals.carried += static_cast<std::uint64_t>(active);
+    ++totals.steps;
+  }
+}
+
+/// Walks through a stack of interfaces without media: what flies on is at the next interface, or at
+/// the substrate.
 template <int C, class Set, class Score>
-[[gnu::noinline]] void bounded_walks_of(const LaneWalkTask& t, const Score& score) {
+[[gnu::noinline]] void unscattered_walks_of(const LaneWalkTask& t, const Score& score) {
   using Setting = LoopSetting<C, Set, Score>;
-  using Ended = typename Setting::Ended;
   const Set set(t.walk);
   const Setting s{t,     set,
                   score, {Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])},
                   false, first_lanes<float>(kLanes)};
   typename Setting::Pool pool;
-  Ended ended;
+  typename Setting::Ended ended;
   LoopTotals totals;
   std::uint64_t meetings = 0;
   BoundedWalks<C> all[kSets];
@@ -171,15 +162,60 @@ template <int C, class Set, class Score>
     empty(w, s.incident);
     w.state.met = Words(0u);
   }
+  const Words at_substrate(static_cast<std::uint32_t>(t.walk.layer_count));
+  const Words over_substrate = at_substrate + Words(kAtBoundary - 1);
   pool.fill(t, set);
   for (;;) {
     const int walking = take_walks(s, pool, all);
     if (walking == 0) break;
     if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
-    meet_boundaries<C>(s, all, ended, totals, meetings);
-    if (ended.size >= Ended::kSize) ended.count_all(t);
-    collide<C>(s, all, ended, totals);
-    if (ended.size >= Ended::kSize) ended.count_all(t);
+    FloatMask ends[kSets];
+    Words bits[kSets];
+    for (int k = 0; k < kSets; ++k) {
+      BoundedState<Floats, C>& w = all[k].state;
+      const FloatMask active = !all[k].free;
+      const FloatMask lanes = active & set.is_at_boundary(w.layer);
+      const int met = count(lanes), walks = kLanes - all[k].free_count;
+      ends[k] = without(active, active);
+      bits[k] = Words(0u);
+      if (met == 0) continue;
+      const WalkNumbers<Words> before = w.numbers;
+      Words words[kMostBoundaryWords];
+      for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
+      if (met < walks) keep_others<C>(before, lanes, w);
+      const BoundaryEnds<Floats> now = meet<Floats, C>(t.walk, w, words, lanes);
+      const FloatMask goes_on = set.hop(w.wi, now.lives, w.layer);
+      ends[k] = without(lanes, goes_on);
+      bits[k] = select(to_word_mask(now.lost), Words(kLostBit), Words(0u));
+      bits[k] = select(to_word_mask(now.cut), Words(kCutBit), bits[k]);
+      meetings += static_cast<std::uint64_t>(met);
+      totals.carried += static_cast<std::uint64_t>(met);
+      ++totals.steps;
+    }
+    for (int k = 0; t.walk.substrate && k < kSets; ++k) {
+      BoundedState<Floats, C>& w = all[k].state;
+      const FloatMask active = without(!all[k].free, ends[k]);
+      const FloatMask lanes = active & to_float_mask(equal(w.layer, at_substrate));
+      if (!any(lanes)) continue;
+      const WalkNumbers<Words> before = w.numbers;
+      LaneDraws<Floats> draws;
+      draw<C>(set, w, draws);
+      if (any(without(active, lanes))) keep_others<C>(before, lanes, w);
+      const LaneEnds<Floats> now = scatter<C>(t.walk, set, w, draws, lanes, score);
+      w.met = select(to_word_mask(lanes), Words(0u), w.met);
+      w.layer = select(to_word_mask(lanes), over_substrate, w.layer);
+      const FloatMask gone = without(lanes, now.lives);
+      ends[k] = ends[k] | gone;
+      bits[k] = select(to_word_mask(gone), Words(1u), bits[k]);
+      const auto met = static_cast<std::uint64_t>(count(lanes));
+      totals.events += met;
+      totals.reflections += static_cast<std::uint64_t>(count(now.reflections));
+      totals.carried += met;
+      ++totals.steps;
+    }
+    for (int k = 0; k < kSets; ++k)
+      if (all[k].free_count < kLanes) hand_over<C>(s, all[k], ends[k], bits[k], ended, totals);
+    if (ended.size >= Setting::Ended::kSize) ended.count_all(t);
   }
   ended.count_all(t);
   LaneSums& sums = *t.batches[0].sums;
@@ -235,7 +271,8 @@ struct StoredWalks {
 
 /// Loop through a stack with media: lanes hold walks that collide; those at interfaces are stored
 /// until there are enough of them, as are those that come from there.
-template <int C, class Set, class Score>
+/// One: the only layer's medium, OneMedium, or void.
+template <int C, class Set, class Score, class One>
 struct QueuedWalks {
   using Setting = LoopSetting<C, Set, Score>;
   using State = BoundedState<Floats, C>;
@@ -299,7 +336,8 @@ struct QueuedWalks {
         found = true;
       }
       if (!found) return;
-      for (int k = 0; k < kSets && step.count[k] > 0; ++k) {
+      for (int k = 0; k < kSets; ++k) {
+        if (step.count[k] == 0) continue;
         State& w = packets[k].state;
         Words words[kMostBoundaryWords];
         for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
@@ -308,7 +346,8 @@ struct QueuedWalks {
             s.set.begin_flight(w.wi, exponential_of(words[0]), now[k].lives, w.layer, w.y);
       }
       fly_by_turns<C>(s.set, packets, step);
-      for (int k = 0; k < kSets && step.count[k] > 0; ++k) {
+      for (int k = 0; k < kSets; ++k) {
+        if (step.count[k] == 0) continue;
         const FloatMask goes_on = now[k].lives & step.flights[k].collides;
         Words bits = select(to_word_mask(now[k].lost), Words(kLostBit), Words(0u));
         bits = select(to_word_mask(now[k].cut), Words(kCutBit), bits);
@@ -345,7 +384,10 @@ struct QueuedWalks {
       walking = take();
       if (walking == 0 && waiting.size == 0) break;
       if (walking <= kLanes && walking > kLanes - all[0].free_count) crowd(all);
-      collide<C>(s, all, ended, totals);
+      if constexpr (std::is_void_v<One>)
+        collide<C>(s, all, ended, totals);
+      else
+        collide_in(One(t.walk), s, all, ended, totals);
       for (BoundedWalks<C>& walks : all) {
         const FloatMask at = without(s.set.is_at_boundary(walks.state.layer), walks.free);
         if (!any(at)) continue;
@@ -372,14 +414,14 @@ struct QueuedWalks {
 };
 
 /// The walks of a task through a stack with interfaces and media.
-template <int C, class Set, class Score>
+template <int C, class Set, class Score, class One = void>
 [[gnu::noinline]] void queued_walks_of(const LaneWalkTask& t, const Score& score) {
   const Set set(t.walk);
   const LoopSetting<C, Set, Score> s{
       t,     set,
       score, {Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])},
       false, first_lanes<float>(kLanes)};
-  QueuedWalks<C, Set, Score>(s).run();
+  QueuedWalks<C, Set, Score, One>(s).run();
 }
 
 }  // namespace lamella::LAMELLA_ISA

@@ -72,7 +72,6 @@ std::optional<std::string> why_not_boundaries(const Stack& stack, const Plan& pl
       return "the walk between the facets of an interface (scattering = \"multiple\") has no "
              "kernel "
              "on lanes";
-    if (facets.shape == FacetShape::beckmann) return "lanes have no kernel for Beckmann's facets";
     if (std::min(facets.alpha_x, facets.alpha_y) < kSmoothest)
       return fmt::format("facets of alpha below {:g} ask for double", kSmoothest);
   }

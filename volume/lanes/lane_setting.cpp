@@ -142,7 +142,10 @@ void write_boundary(const std::optional<Dielectric>& interface, int at,
     return;
   }
   to.rough = true;
-  to.words = kMostBoundaryWords;
+  const bool ggx = interface->facets.shape == FacetShape::ggx;
+  to.ggx = to.ggx || ggx;
+  to.beckmann = to.beckmann || !ggx;
+  to.words = std::max(to.words, ggx ? kGgxWords : kBeckmannWords);
   set(kAlphaX, interface->facets.alpha_x);
   set(kAlphaY, interface->facets.alpha_y);
   set(kMasking, static_cast<int>(interface->masking));
@@ -238,6 +241,9 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
   if (plan.boundaries) {
     for (int k = 0; k < walk.layer_count; ++k) write_boundary(parts[k].above, k, boundaries);
     write_boundary(lane_bottom(stack, plan), walk.layer_count, boundaries);
+    int interfaces = 0;
+    for (int k = 0; k <= walk.layer_count; ++k)
+      if (boundaries.value[kShape][k] > 0) boundaries.only = interfaces++ == 0 ? k : -1;
     walk.boundaries = &boundaries;
     walk.collides_at_once = boundaries.value[kShape][walk.from_above ? 0 : walk.layer_count] > 0;
     return;

@@ -76,6 +76,17 @@ const std::vector<BoundaryCase>& boundary_cases() {
        interface("'ggx'\nior = 3\nroughness = 0.05") + layer("medium = 'rayleigh'\nalbedo = 0.95\n"
                                                              "thickness = 30"),
        89, 0},
+      {"a Beckmann coat over a half space",
+       interface("'beckmann'\nior = 1.5\nroughness = 0.4") + layer(spheres + "inf"), 50, 0},
+      {"Beckmann facets of both kinds of masking, light near grazing",
+       interface("'beckmann'\nior = 1.5\nroughness = [0.9, 0.4]") +
+           layer("medium = 'rayleigh'\nalbedo = 0.9\nthickness = 0.5") +
+           interface("'ggx'\nior = 1.2\nroughness = 0.3\nmasking = 'correlated'") +
+           interface("'beckmann'\nior = 1\nroughness = 1\nmasking = 'separable'"),
+       86, 15},
+      {"a narrow Beckmann coat over Lambert",
+       interface("'beckmann'\nior = 1.5\nroughness = 0.001") + "[substrate]\nalbedo = 0.7\n", 30,
+       0},
       {"hardly an index, smooth and rough",
        interface("'ggx'\nior = 1.0001\nroughness = 1e-4") + layer(spheres + "1") +
            interface("'smooth'\nior = 1.3") + "[substrate]\nalbedo = 0.5\n",
@@ -279,8 +290,9 @@ TEST(LaneBoundaryLimits, WhatStaysScalarIsNamed) {
   EXPECT_NE(reason(interface("'ggx'\nior = 1.5\nroughness = 1e-5") + "[substrate]\nalbedo = 0.5\n")
                 .find("alpha"),
             std::string::npos);
-  EXPECT_NE(reason(coat + "[substrate]\nbsdf = 'conductor'\neta = 0.2\nk = 3.9\n").find("conductor"),
-            std::string::npos);
+  EXPECT_NE(
+      reason(coat + "[substrate]\nbsdf = 'conductor'\neta = 0.2\nk = 3.9\n").find("conductor"),
+      std::string::npos);
   EXPECT_NE(reason(interface("'smooth'\nior = 1.5") +
                    layer("medium = 'rayleigh'\nthickness = 1e-3") + interface("'smooth'\nior = 1"))
                 .find("film"),
