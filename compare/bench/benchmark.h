@@ -73,6 +73,10 @@ using ReportRow = std::function<void(BenchmarkRow)>;
 /// one thread.
 void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// Walks that are counted in cells, with a rough coat over Lambert spheres and over Lambert's law,
+/// against the textbook loop with a coat, one thread.
+void measure_coats(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// Seconds to 1 % standard error of lobes, and to 0.1 % and 0.01 % of those of all orders, by
 /// estimator and by the solver, one thread.
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "compare/bench/benchmark.h"
+#include "compare/bench/walk_timing.h"
 #include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 
@@ -28,24 +29,6 @@ constexpr Task kTasks[] = {
     {"nee64", TextbookTally::points, 64},
     {"walk+cells/engine's generator", TextbookTally::cells, 0, TextbookGenerator::engine}};
 
-// Mean relative standard error of all orders together over the targets that have met light.
-double mean_target_error(const Simulation& simulation, int targets) {
-  double sum = 0;
-  int lit = 0;
-  const std::size_t stride = simulation.batches().front().f.size() / kTallyOrders;
-  for (int j = 0; j < targets; ++j) {
-    const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-      double f = 0;
-      for (int o = 0; o < kTallyOrders; ++o) f += b.f[o * stride + j];
-      return f;
-    });
-    if (e.value <= 0) continue;
-    sum += e.standard_error / e.value;
-    ++lit;
-  }
-  return lit ? sum / lit : std::nan("");
-}
-
 double reflected_error(const Simulation& simulation) {
   const Estimate e = batch_estimate(simulation.batches(), [](const BatchTally& b) {
     double sum = 0;
@@ -53,33 +36,6 @@ double reflected_error(const Simulation& simulation) {
     return sum;
   });
   return e.standard_error / e.value;
-}
-
-// The number of walks, a multiple of the batches, for which `advance` takes about `seconds`.
-template <class Advance>
-std::uint64_t calibrate(double seconds, const Advance& advance) {
-  std::uint64_t walks = 2 * kBatches;
-  for (;;) {
-    const double taken = seconds_of([&] { advance(walks); });
-    if (taken > seconds / 4 || walks > (1u << 28)) {
-      const double scaled = static_cast<double>(walks) * seconds / taken / kBatches;
-      return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(scaled)) * kBatches;
-    }
-    walks *= 4;
-  }
-}
-
-// Cycles a second of this core now: a chain of multiplications, which take 3 cycles each on x86-64.
-double core_frequency() {
-  constexpr int kChain = 3'000'000;
-  std::uint64_t x = 3;
-  const double seconds = seconds_of([&] {
-    for (int k = 0; k < kChain; ++k) {
-      x *= 0x9E3779B97F4A7C15u;
-      asm volatile("" : "+r"(x));
-    }
-  });
-  return 3 * kChain / seconds;
 }
 
 void measure_walk(const BenchmarkStack& which, const Task& task, const BenchmarkEffort& effort,

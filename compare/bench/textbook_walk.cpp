@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "compare/bench/textbook_parts.h"
 #include "phase/medium/vmf.h"
 #include "phase/random/block_random.h"
 #include "phase/random/random.h"
@@ -12,23 +13,10 @@
 namespace lamella {
 namespace {
 
-constexpr int kMuCells = 16, kPhiCells = 32;
+using namespace textbook;
+
 constexpr int kWeightedEvents = TextbookCase{}.weighted_events;
 constexpr double kNothing = 1e-9;  // a weight that is not followed any more
-
-struct Pcg32 {
-  std::uint64_t state, increment;
-
-  std::uint32_t bits() {
-    const std::uint64_t old = state;
-    state = old * 6364136223846793005ULL + increment;
-    const auto xorshifted = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
-    const auto rotation = static_cast<std::uint32_t>(old >> 59);
-    return (xorshifted >> rotation) | (xorshifted << ((32 - rotation) & 31));
-  }
-  double uniform() { return (bits() + 0.5) * 0x1p-32; }
-  void begin_walk(std::uint64_t) {}
-};
 
 // The generator of the engine's lanes: a stream per walk.
 struct EngineNumbers {
@@ -43,32 +31,6 @@ struct EngineNumbers {
     numbers = WalkNumbers<std::uint32_t>(state);
   }
 };
-
-// The direction with the given local coordinates in a frame about n (Duff et al. 2017).
-Direction from_frame(Direction n, double x, double y, double z) {
-  const double sign = std::copysign(1.0, n.z);
-  const double a = -1 / (sign + n.z);
-  const double b = n.x * n.y * a;
-  const Direction s{1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  const Direction t{b, sign + n.y * n.y * a, -n.y};
-  return x * s + y * t + z * n;
-}
-
-Direction around(Direction axis, double cosine, double u) {
-  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-  const double phi = 2 * kPi * u;
-  return from_frame(axis, sine * std::cos(phi), sine * std::sin(phi), cosine);
-}
-
-Direction mirrored_at(Direction m, Direction wi) { return normalized(2 * dot(wi, m) * m - wi); }
-
-// Lambert's law about n.
-Direction cosine_law(Direction n, auto& rng) {
-  const double r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
-  return normalized(
-      from_frame(n, r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0, 1 - r * r))));
-}
-double cosine_law_density(Direction n, Direction wo) { return std::max(0.0, dot(n, wo)) / kPi; }
 
 // A medium: sigma of the free flight (a majorant for null collisions), `hit` (whether a collision
 // is real; prepares the event), `aim` (what densities need besides), the event's density and its
@@ -85,10 +47,7 @@ struct LambertSpheres {
     return 2 * (std::sqrt(1 - cosine * cosine) - theta * cosine) / (3 * kPi * kPi);
   }
   static Direction sample(Direction wi, const Event&, auto& rng) {
-    const double u1 = rng.uniform(), u2 = rng.uniform(), u3 = rng.uniform();
-    const double cosine =
-        std::sqrt((1 - u1) * (1 - u2)) * std::sin(2 * kPi * u3) - std::sqrt(u1 * u2);
-    return around(-wi, cosine, rng.uniform());
+    return from_lambert_sphere(wi, rng);
   }
 };
 
@@ -259,7 +218,6 @@ template <bool kUsual, class Medium, class Generator>
 void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walks) {
   const double depth = case_.depth, albedo = case_.albedo;
   const int weighted = kUsual ? kWeightedEvents : case_.weighted_events;
-  const double cells_per_sr = kMuCells * kPhiCells / kPi;
   const std::size_t points = points_.size();
   std::vector<double> f(points);  // of the walk at hand
   std::uint64_t collisions = 0;
@@ -303,13 +261,10 @@ void TextbookWalk::loop(const Medium& medium, Generator& rng, std::uint64_t walk
     result_.reflected += weight;
     result_.reflected2 += weight * weight;
     if (tally_ == TextbookTally::cells && weight > 0) {
-      double phi = std::atan2(-wi.y, -wi.x);
-      if (phi < 0) phi += 2 * kPi;
-      const int row = std::min(static_cast<int>((1 - wi.z * wi.z) * kMuCells), kMuCells - 1);
-      const int column = std::min(static_cast<int>(phi / (2 * kPi) * kPhiCells), kPhiCells - 1);
-      const double value = weight * cells_per_sr;
-      result_.f[row * kPhiCells + column] += value;
-      result_.f2[row * kPhiCells + column] += value * value;
+      const double value = weight * kCellsPerSteradian;
+      const int cell = cell_of(wi);
+      result_.f[cell] += value;
+      result_.f2[cell] += value * value;
     }
   }
   result_.walks += walks;

@@ -64,8 +64,13 @@ struct BenchPart {
   const char* name;
   std::function<void(const BenchmarkEffort&, std::uint64_t seed, const ReportRow&)> measure;
 };
+void measure_walks_and_coats(const BenchmarkEffort& effort, std::uint64_t seed,
+                             const ReportRow& report) {
+  measure_walks(effort, seed, report);
+  measure_coats(effort, seed, report);
+}
 const std::vector<BenchPart>& parts() {
-  static const std::vector<BenchPart> list{{"walks", measure_walks},
+  static const std::vector<BenchPart> list{{"walks", measure_walks_and_coats},
                                            {"mixed", measure_mixed},
                                            {"plan", measure_plan},
                                            {"threads", measure_threads},

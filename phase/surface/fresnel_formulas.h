@@ -28,6 +28,24 @@ template <class Real>
   return {select(through > Real(0), min(reflectance, Real(1)), Real(1)), refracted};
 }
 
+/// The same in a form without differences, for numbers of few digits: inverse is 1 / ratio, excess
+/// ratio^2 - 1 (not 0), as exact as the caller has it: they tell whether the boundary does
+/// anything.
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Refraction<Real> refraction(Real cosine, Real ratio,
+                                                                     Real inverse, Real excess) {
+  using std::sqrt;
+  const Real below = multiply_add(cosine, cosine, excess);
+  const Real through = sqrt(nonnegative(below));  // ratio times the refracted cosine
+  // s = (cosine - through) / sum = -excess / sum^2, and through - ratio^2 cosine in the same way:
+  // p = excess (1 - cosine sum) / (sum t). Where sum is small nothing is refracted.
+  const Real sum = cosine + through, t = multiply_add(ratio * ratio, cosine, through);
+  const Real q = multiply_add(-cosine, sum, Real(1)) * sum;
+  const Real scale = divide(excess, max(sum * sum * t, Real(1e-30)));
+  const Real reflectance = Real(0.5) * scale * scale * multiply_add(t, t, q * q);
+  return {select(below > Real(0), min(reflectance, Real(1)), Real(1)), through * inverse};
+}
+
 /// Fresnel's reflectance of unpolarised light at a conductor of complex index eta + i k relative to
 /// the medium on it; cosine of incidence in [0, 1], eta > 0, k >= 0. Born and Wolf, Principles of
 /// Optics, chapter 14.2.

@@ -18,15 +18,17 @@ BoundaryStack::BoundaryStack(const Stack& stack, const Plan& plan)
       max_order(plan.max_order),
       thinning(plan.thinning) {
   double index = 1;
-  const auto add_layer = [&](const WalkLayer& layer) {
+  const auto add_layer = [&](const WalkLayer& layer, int source) {
     layers.push_back(layer);
+    sources.push_back(source);
     boundaries.emplace_back();
   };
   const WalkLayer gap{&no_medium(), 0, {1, 1, 1}, {1, 1, 1}, false};
-  for (const Layer& layer : stack.layers) {
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) {
+    const Layer& layer = stack.layers[k];
     if (const auto& interface = layer.interface) {
       if (interface->ior == index) continue;  // changes nothing, rough or not
-      if (boundaries.back()) add_layer(gap);
+      if (boundaries.back()) add_layer(gap, -1);
       boundaries.back() = Dielectric{.facets = interface->facets,
                                      .masking = interface->masking,
                                      .multiple = interface->multiple,
@@ -35,11 +37,12 @@ BoundaryStack::BoundaryStack(const Stack& stack, const Plan& plan)
       index = interface->ior;
     } else if (layer.depth() > 0) {
       add_layer({&layer.medium, layer.depth(), channels(layer.albedo), channels(layer.f0),
-                 layer.f0 != Rgb(1)});
+                 layer.f0 != Rgb(1)},
+                static_cast<int>(k));
     }
   }
   if (!stack.substrate) return;
-  if (boundaries.back()) add_layer(gap);
+  if (boundaries.back()) add_layer(gap, -1);
   substrate_albedo = channels(stack.substrate->albedo);
   law = stack.substrate->law;
   if (!stack.substrate->model.empty() && !law)

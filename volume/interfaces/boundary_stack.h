@@ -18,6 +18,7 @@ struct BoundaryStack {
   BoundaryStack(const Stack& stack, const Plan& plan);
 
   std::vector<WalkLayer> layers;
+  std::vector<int> sources;  ///< per layer, which of the stack's it is; -1: an empty one
   std::vector<std::optional<Dielectric>> boundaries;  ///< n + 1
   bool has_substrate = false;
   std::array<double, 3> substrate_albedo{};  ///< of Lambert's law, where there is no other

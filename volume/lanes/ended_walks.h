@@ -7,17 +7,19 @@
 namespace lamella::LAMELLA_ISA {
 
 /// Walks that ended, until there are enough of them to count them at a stretch. kIndex: each in the
-/// sums of the batch that its index tells.
-template <int C, bool kIndex>
+/// sums of the batch that its index tells. kBounded: of stacks with interfaces.
+template <int C, bool kIndex, bool kBounded>
 struct EndedWalks {
   static constexpr int kSize = 512, kRoom = kSize + (kSets + 1) * kLanes;
-  static constexpr int kPlaces = kWalkEnds * static_cast<int>(kRouletteOrder + 1);
+  static constexpr int kPlaces = kEndRows<kBounded> * static_cast<int>(kRouletteOrder + 1);
   static constexpr int place(WalkEnd end, std::uint32_t order) {
     return static_cast<int>(end) * static_cast<int>(kRouletteOrder + 1) + static_cast<int>(order);
   }
   // Events, and as last bits whether one ended the walk and, of walks with weights, whether that
   // was by thinning or the one too many.
-  static constexpr int kBits = C > 0 ? 2 : 1;
+  static constexpr int kBits = kBounded ? kBoundedBits : C > 0 ? 2 : 1;
+  /// Slots of orders in cells: behind the others order 0, of light that met rough interfaces.
+  static constexpr int kSlots = static_cast<int>(kRouletteOrder) + (kBounded ? 1 : 0);
   int size = 0;
   std::uint64_t told = 0;  // of those counted
   alignas(64) std::uint32_t events[kRoom];
@@ -35,7 +37,7 @@ struct EndedWalks {
     const bool thins = t.walk.thinned_from > 0;
     const bool cells = t.estimate == LaneEstimate::cells_counted;
     const bool weighs = t.weighs();
-    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
+    const int nowhere = kSlots * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
     Floats spoiled(0);  // or not a number
     // What is a vector's work, then what is not, so that nothing waits in between.
     for (int k = 0; k < size; k += kLanes) {
@@ -53,6 +55,15 @@ struct EndedWalks {
           halves = !equal(spared, spared_of(t.walk.thinned_from, of.order - Words(1u)));
         const WordMask gone = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
         of.end = select(gone & halves, Words(static_cast<std::uint32_t>(WalkEnd::thinned)), of.end);
+      }
+      if constexpr (kBounded) {
+        const WordMask straight =
+            bit(kMetDeltasBit) & equal(of.order, Words(0u)) &
+            is_below(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
+        of.end = select(straight, of.end + Words(static_cast<std::uint32_t>(kDeltaRow)), of.end);
+        of.end = select(bit(kLostBit), Words(static_cast<std::uint32_t>(kLostRow)), of.end);
+        of.end =
+            select(bit(kCutBit), Words(static_cast<std::uint32_t>(WalkEnd::unresolved)), of.end);
       }
       const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
       if (!cells || weighs || thins) at.store(place_of + k);
@@ -90,7 +101,7 @@ struct EndedWalks {
     const bool thins = t.walk.thinned_from > 0;
     const bool cells = t.estimate == LaneEstimate::cells_counted;
     const bool weighs = t.weighs();
-    const int nowhere = 4 * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
+    const int nowhere = kSlots * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
     // A walk in a cell is counted nowhere else.
     if (thins)
       for (int j = 0; j < size; ++j) {
@@ -134,13 +145,13 @@ struct EndedWalks {
         min(nonnegative((Floats(1) - wz * wz) * Floats(t.cells.rows)), Floats(t.cells.rows - 0.5f));
     const Floats column = min(turns * Floats(t.cells.phi_cells), Floats(t.cells.columns - 0.5f));
     const WordMask down = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
-    const WordMask left =
-        (of.order > Words(0u)) &
-        (of.end <
-         Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed : WalkEnd::down)));
+    WordMask left = of.end < Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed
+                                                                                 : WalkEnd::down));
+    if constexpr (!kBounded) left = left & (of.order > Words(0u));
     const int cells = t.cells.rows * t.cells.columns;
     const Words below = select(down, Words(cells), Words(0u));
-    const Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
+    Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
+    if constexpr (kBounded) slot = select(equal(of.order, Words(0u)), Words(kRouletteOrder), slot);
     const Words target = to_words(row) * Words(t.cells.columns) + to_words(column) + below +
                          slot * Words(t.cells.both_sides ? 2 * cells : cells);
     return select(left, target, elsewhere);

@@ -57,6 +57,42 @@ std::optional<std::string> why_not_medium(const LambertFlakes<Ndf>& m, double de
   return why_not_flakes(m.ndf, depth);
 }
 
+// Interfaces of a stack, and what is below them, that lanes do not know.
+constexpr double kSmoothest = 1e-4;  // alpha
+constexpr double kThinnestFilm = 0.01;
+std::optional<std::string> why_not_boundaries(const Stack& stack, const Plan& plan) {
+  if (stack.substrate && !stack.substrate->model.empty())
+    return fmt::format("lanes have no kernel for a substrate that reflects by {}",
+                       stack.substrate->model);
+  for (const Layer& layer : stack.layers) {
+    if (!layer.interface) continue;
+    const Facets& facets = layer.interface->facets;
+    if (facets.shape == FacetShape::smooth) continue;
+    if (layer.interface->multiple)
+      return "the walk between the facets of an interface (scattering = \"multiple\") has no "
+             "kernel "
+             "on lanes";
+    if (std::min(facets.alpha_x, facets.alpha_y) < kSmoothest)
+      return fmt::format("facets of alpha below {:g} ask for double", kSmoothest);
+  }
+  if (plan.max_order > kMostBoundedOrder)
+    return "orders above 1e8 are not counted on lanes through interfaces";
+  // Between smooth interfaces light can be trapped: there its ways there and back are skipped in
+  // double.
+  const BoundaryStack bounded(stack, plan);
+  const auto is_smooth = [&](int k) {
+    return bounded.boundaries[k] && bounded.boundaries[k]->is_smooth();
+  };
+  for (int k = 0; k < bounded.count(); ++k)
+    if (const double depth = bounded.layers[k].depth;
+        depth > 0 && depth < kThinnestFilm && is_smooth(k) && is_smooth(k + 1))
+      return fmt::format(
+          "ways there and back in a film of optical depth {:g} between smooth "
+          "interfaces are skipped by the scalar kernel",
+          depth);
+  return std::nullopt;
+}
+
 // The largest value of p, as fixed point must hold it.
 double largest_density(const Stack& stack, const Plan& plan) {
   double largest = 1 / kPi;
@@ -71,13 +107,16 @@ std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
   if (plan.has_grids()) return "lanes have no kernel for density grids";
   if (stack.grains()) return "explicit geometry is traced in double";
-  if (plan.boundaries)
-    return "lanes have no kernel for interfaces and for substrates beyond Lambert's law";
-  if (plan.layers.empty()) return "no layer has depth: there is nothing to walk through";
+  if (plan.boundaries) {
+    if (auto reason = why_not_boundaries(stack, plan)) return reason;
+  } else if (plan.layers.empty()) {
+    return "no layer has depth: there is nothing to walk through";
+  }
   const std::size_t parts = lane_parts(stack, plan).size();
-  if (parts > kMostLaneLayers)
-    return fmt::format("lanes hold {} layers, the stack has {} (deep ones count thrice)",
-                       kMostLaneLayers, parts);
+  const std::size_t most = plan.boundaries ? kMostBoundedLayers : kMostLaneLayers;
+  if (parts > most)
+    return fmt::format("lanes hold {} layers, the stack has {} (deep ones count thrice)", most,
+                       parts);
   if (plan.max_order > 1000000000) return "orders above 1e9 are not counted on lanes";
   bool common_albedo = true;
   for (const int k : plan.layers) {
@@ -125,6 +164,7 @@ std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan
                                             const std::vector<Direction>& points) {
   if (auto reason = why_not_lanes(stack, plan)) return reason;
   if (points.empty()) return std::nullopt;
+  if (plan.boundaries) return "next-event estimation at points through interfaces runs in double";
   if (is_too_narrow(plan, coarser_bits_at_points(stack, plan)))
     return "the phase function is too narrow for fixed point";
   for (const Direction wo : points)
@@ -135,6 +175,7 @@ std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan
 std::optional<std::string> why_not_lanes_in_cells(const Stack& stack, const Plan& plan,
                                                   const CellGrid& grid) {
   if (auto reason = why_not_lanes(stack, plan)) return reason;
+  if (plan.boundaries) return "next-event estimation in cells through interfaces runs in double";
   if (is_too_narrow(plan, coarser_bits_in_cells(stack, plan, grid)))
     return "next-event estimation in cells: the phase function is too narrow for fixed point";
   return std::nullopt;

@@ -9,17 +9,17 @@
 namespace lamella::LAMELLA_ISA {
 
 /// A set of lanes.
-template <int C>
+template <int C, class State = LaneState<Floats, C>>
 struct LaneWalks {
-  LaneState<Floats, C> state;
+  State state;
   FloatMask free;  // lanes without a walk
   int free_count;
 };
 
 /// Moves all walks to the first set, which has room for them: the last ones are long, and a step
 /// costs as much for one of them as for all of a set.
-template <int C>
-[[gnu::noinline]] void crowd(LaneWalks<C> (&all)[kSets]) {
+template <int C, class State>
+[[gnu::noinline]] void crowd(LaneWalks<C, State> (&all)[kSets]) {
   struct Move {
     int set, from, to;
   };
@@ -39,7 +39,6 @@ template <int C>
     for (const Move* m = moves; m < moves + count; ++m) of[0][m->to] = of[m->set][m->from];
     first = Number::load(of[0]);
   };
-  using State = LaneState<Floats, C>;
   move([](State & w) -> auto& { return w.wi.x; });
   move([](State & w) -> auto& { return w.wi.y; });
   move([](State & w) -> auto& { return w.wi.z; });
@@ -50,6 +49,7 @@ template <int C>
   move([](State & w) -> auto& { return w.death; });
   for (int k = 0; k < 4; ++k) move([k](State & w) -> auto& { return w.numbers.s[k]; });
   for (int c = 0; c < C; ++c) move([c](State & w) -> auto& { return w.weight[c]; });
+  if constexpr (requires(State w) { w.met; }) move([](State & w) -> auto& { return w.met; });
   for (int k = 1; k < kSets; ++k) {
     all[k].free = first_lanes<float>(kLanes);
     all[k].free_count = kLanes;
@@ -85,12 +85,12 @@ struct LoopSetting {
   FloatMask tells_gone;  ///< no lane where it absorbs, else every lane
 
   using Pool = LanePool<C, Set, Score>;
-  using Ended = EndedWalks<C, Score::kUsesIndex>;
+  using Ended = EndedWalks<C, Score::kUsesIndex, Set::kBounded>;
 };
 
 /// Lanes without a walk yet.
-template <int C>
-LAMELLA_INLINE void empty(LaneWalks<C>& walks, Vec3<Floats> incident) {
+template <int C, class State>
+LAMELLA_INLINE void empty(LaneWalks<C, State>& walks, Vec3<Floats> incident) {
   LaneState<Floats, C>& w = walks.state;
   w.wi = incident;
   w.y = Floats(0);
@@ -200,18 +200,18 @@ LAMELLA_INLINE void lockstep(const LoopSetting<C, Set, Score>& s,
 }
 
 /// Gives new walks to free lanes, while there are any; how many walks are on their way then.
-template <int C, class Set, class Score>
+template <int C, class Set, class Score, class State>
 LAMELLA_INLINE int take_walks(const LoopSetting<C, Set, Score>& s,
                               typename LoopSetting<C, Set, Score>::Pool& pool,
-                              LaneWalks<C> (&all)[kSets]) {
+                              LaneWalks<C, State> (&all)[kSets]) {
   int walking = 0;
-  for (LaneWalks<C>& w : all) {
+  for (LaneWalks<C, State>& w : all) {
     const int available = pool.to - pool.from;
     const Words rank = rank_of(w.free);
     FloatMask take = w.free;
     if (available < kLanes)
       take = take & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(available))));
-    refill(pool, s.incident, w.state, take, rank);
+    refill<C>(pool, s.incident, w.state, take, rank);
     const int taken = count(take);
     pool.from += taken;
     if (pool.to - pool.from < kLanes) pool.fill(s.task, s.set);

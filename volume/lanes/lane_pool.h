@@ -93,11 +93,11 @@ struct LanePool {
   }
   void end_batch(const LaneWalkTask& t) {
     LaneSums& sums = *t.batches[batch].sums;
-    const int straight = static_cast<int>(t.walk.from_above ? WalkEnd::down : WalkEnd::up);
+    const int straight = straight_row<Set::kBounded>(t.walk.from_above);
     constexpr int kOrders = static_cast<int>(kRouletteOrder + 1);
     sums.ends[straight * kOrders] += uncollided;
     for (int c = 0; t.weighs() && c < t.channels; ++c)
-      sums.weights[(c * kWalkEnds + straight) * kOrders] +=
+      sums.weights[(c * kEndRows<Set::kBounded> + straight) * kOrders] +=
           static_cast<std::int64_t>(uncollided << 32);
     ++batch;
     made = 0;

@@ -19,30 +19,74 @@ WalkNumbers<std::uint32_t> numbers_of(std::uint64_t seed, std::uint64_t index) {
   return WalkNumbers<std::uint32_t>(state);
 }
 
+// One walk through a stack with interfaces; its row of ends, see lane_step.h.
+template <int C>
+int replay_bounded(const LaneSetting<double>& setting, BoundedState<double, C>& w,
+                   LaneEnds<double>& now, BatchTally& tally) {
+  const BoundedMedia<double> set(setting.walk);
+  if (!begin<C>(setting.walk, set, static_cast<LaneState<double, C>&>(w), true))
+    return straight_row<true>(setting.walk.from_above);
+  for (;;) {
+    double remaining = 0;
+    if (set.is_at_boundary(w.layer)) {
+      std::uint32_t words[kMostBoundaryWords];
+      for (int j = 0; j < setting.boundaries.words; ++j) words[j] = w.numbers.next();
+      const BoundaryEnds<double> at = meet<double, C>(setting.walk, w, words, true);
+      if (at.lost) return kLostRow;
+      if (at.cut) return static_cast<int>(WalkEnd::unresolved);
+      if (at.out) break;
+      remaining = exponential_of(words[0]);
+    } else {
+      LaneDraws<double> draws;
+      draw<C>(set, w, draws);
+      now = scatter<C>(setting.walk, set, w, draws, true, NoScore{});
+      if (now.events) w.met = 0;
+      tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
+      if (now.gone) break;
+      remaining = draws.remaining;
+    }
+    if (!set.fly(w.wi, remaining, true, w.layer, w.y)) break;
+  }
+  const LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
+  const bool deltas = of.order == 0 && (w.met & 1) == 0 && of.end < 2;
+  return static_cast<int>(of.end) + (deltas ? kDeltaRow : 0);
+}
+
 template <int C>
 void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uint64_t index,
                  int channels, const CellTargets& cells, BatchTally& tally) {
-  const AnyMedia<double> set(setting.walk);
-  LaneState<double, C> w{};
+  BoundedState<double, C> w{};
   w.numbers = numbers_of(setting.walk.seed, index);
   LaneEnds<double> now{};
   EnergySums& energy = tally.energy;
-  const bool collides = begin<C>(setting.walk, set, w, true);
-  while (collides && !now.ends) {
-    now = step(setting.walk, set, w, true, NoScore{});
-    tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
+  const bool bounded = setting.walk.boundaries != nullptr;
+  int row = 0;
+  if (bounded) {
+    row = replay_bounded<C>(setting, w, now, tally);
+  } else {
+    const AnyMedia<double> set(setting.walk);
+    LaneState<double, C>& state = w;
+    const bool collides = begin<C>(setting.walk, set, state, true);
+    while (collides && !now.ends) {
+      now = step(setting.walk, set, state, true, NoScore{});
+      tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
+    }
   }
   ++tally.walks;
-  const LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
+  LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
+  const bool lost = row == kLostRow, deltas = row >= kDeltaRow;
+  if (bounded) of.end = static_cast<std::uint32_t>(lost ? 0 : deltas ? row - kDeltaRow : row);
   const auto end = static_cast<WalkEnd>(of.end);
-  const bool straight = of.order == 0 && end < WalkEnd::absorbed;
+  const bool down = end == WalkEnd::down;
+  const bool straight = of.order == 0 && end < WalkEnd::absorbed && !lost &&
+                        (!bounded || (deltas && down == setting.walk.from_above));
   // What it stood for; where an event both absorbs and halves, the mean of that.
   double standing = thinning.weight(of.order);
   if (end == WalkEnd::absorbed && (C > 0 ? w.order >= w.death : thinning.halves_at(of.order))) {
     const double albedo = *std::max_element(setting.albedo.begin(), setting.albedo.end());
     standing *= C > 0 || of.order < kRouletteOrder ? 0 : (1 - albedo) / (2 - albedo);
   }
-  const int target = straight || end > WalkEnd::down ? -1 : cells.find(-w.wi);
+  const int target = straight || deltas || lost || end > WalkEnd::down ? -1 : cells.find(-w.wi);
   for (int c = 0; c < channels; ++c) {
     const double at_end = C > 0 ? w.weight[C > 0 ? c : 0] : setting.weight_after(c, of.order);
     const double weight = setting.chance * (straight ? 1 : at_end * thinning.weight(of.order));
@@ -55,8 +99,16 @@ void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uin
     energy.absorbed[c] += setting.chance * standing - (end == WalkEnd::absorbed ? 0 : weight);
     if (end == WalkEnd::unresolved) energy.unresolved[c] += weight;
     if (end > WalkEnd::down) continue;
+    if (lost) {
+      energy.lost[c] += weight;
+      continue;
+    }
     const int slot = order_slot(of.order);
-    (end == WalkEnd::up ? energy.up : energy.down)[slot][c] += weight;
+    if (deltas) (down ? energy.specular_down : energy.specular_up)[c] += weight;
+    if (slot == kZeroSlot)
+      (down ? energy.zero_down : energy.zero_up)[c] += weight;
+    else
+      (down ? energy.down : energy.up)[slot][c] += weight;
     if (target >= 0)
       tally.f[static_cast<std::size_t>(slot * channels + c) * cells.count() + target] +=
           weight / cells.grid.projected_solid_angle();
@@ -72,7 +124,7 @@ std::vector<BatchTally> replay_in_double(const Stack& stack, const Plan& plan, D
   std::vector<BatchTally> tallies(batches);
   tbb::parallel_for(0, batches, [&](int batch) {
     BatchTally& tally = tallies[batch];
-    tally.f.resize(static_cast<std::size_t>(kTallyOrders) * plan.channels * cells.count());
+    tally.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels * cells.count());
     for (std::uint64_t i = batch; i < walks; i += batches)
       (setting.common_albedo ? replay_walk<0> : replay_walk<3>)(setting, plan.thinning, i,
                                                                 plan.channels, cells, tally);

@@ -19,13 +19,16 @@ std::size_t padded(std::size_t count) { return (count + 15) / 16 * 16; }
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches)
     : setting_(stack, plan, incident, seed),
+      bounded_(plan.boundaries),
       thinning_(plan.thinning),
       incident_(incident),
       counts_(batches) {
   task_.walk = setting_.walk;
   task_.weights = !setting_.common_albedo;
-  task_.one_medium = setting_.parts.size() == 1 && !task_.weights;
-  walk_ = task_.one_medium ? walk_lanes_for(plan.isa) : walk_stack_lanes_for(plan.isa);
+  task_.one_medium = setting_.parts.size() == 1 && !task_.weights && !bounded_;
+  walk_ = bounded_           ? walk_bounded_lanes_for(plan.isa)
+          : task_.one_medium ? walk_lanes_for(plan.isa)
+                             : walk_stack_lanes_for(plan.isa);
   task_.channels = plan.channels;
   task_.index_stride = static_cast<std::uint32_t>(batches);
   if (!task_.weights && task_.channels > 1) {
@@ -35,7 +38,7 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
     task_.event_weight = event_weight_.data();
   }
   for (Counts& c : counts_) {
-    c.ends.resize(kWalkEnds * (kOrders + 1));
+    c.ends.resize(rows() * (kOrders + 1));
     if (task_.weighs()) c.weights.resize(c.ends.size() * task_.channels);
   }
 }
@@ -75,7 +78,7 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
   if (estimator == Estimator::analog) {
     task_.estimate = LaneEstimate::cells_counted;
     for (Counts& c : counts_)
-      c.cells.resize(static_cast<std::size_t>(kOrders) * task_.channels * cells.count() +
+      c.cells.resize(static_cast<std::size_t>(slots()) * task_.channels * cells.count() +
                      c.ends.size());
     return;
   }
@@ -210,6 +213,7 @@ void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> 
   counts.busy += sums.front().busy_lane_steps;
   counts.events += sums.front().events;
   counts.reflections += sums.front().reflections;
+  counts.meetings += sums.front().meetings;
   for (std::size_t k = 0; k < parts.size(); ++k) to_tally(counts_[first + k], tallies[k]);
   // The first one's counts have all events.
   for (std::size_t k = 1; k < parts.size(); ++k) {
@@ -223,9 +227,9 @@ std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
   if (task_.estimate != LaneEstimate::cells_counted || task_.weighs()) return ends;
   const std::size_t side = cells_.grid.cells();
   const std::int64_t* cells = counts.cells.data();
-  for (int slot = 0; slot < kOrders; ++slot)
+  for (int slot = 0; slot < slots(); ++slot)
     for (int end = 0; end < (cells_.both_sides ? 2 : 1); ++end, cells += side)
-      ends[end * (kOrders + 1) + slot + 1] +=
+      ends[end * (kOrders + 1) + (slot == kZeroSlot ? 0 : slot + 1)] +=
           static_cast<std::uint64_t>(std::accumulate(cells, cells + side, std::int64_t{0}));
   for (std::size_t at = 0; at < ends.size(); ++at)
     ends[at] += static_cast<std::uint64_t>(cells[at]);
@@ -235,7 +239,7 @@ std::vector<std::uint64_t> LaneRun::all_ends(const Counts& counts) const {
 void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   const std::vector<std::uint64_t> ends = all_ends(counts);
   const double chance = setting_.chance;
-  const auto place = [](WalkEnd end, int order) {
+  const auto place = [](auto end, int order) {
     return static_cast<std::size_t>(end) * (kOrders + 1) + static_cast<std::size_t>(order);
   };
   // standing: how many original walks the survivors represent. At a halving event from order 4 on,
@@ -246,14 +250,16 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
     const double albedo = *std::max_element(setting_.albedo.begin(), setting_.albedo.end());
     const double absorbed = task_.weights ? 0 : (1 - albedo) / (2 - albedo);
     standing = absorbed * static_cast<double>(ends[place(WalkEnd::thinned, kOrders)]);
-    for (const WalkEnd end : {WalkEnd::up, WalkEnd::down, WalkEnd::absorbed, WalkEnd::unresolved})
-      for (int k = 0; k <= kOrders; ++k) standing += static_cast<double>(ends[place(end, k)]);
+    for (int row = 0; row < rows(); ++row)
+      for (int k = 0; k <= kOrders && row != static_cast<int>(WalkEnd::thinned); ++k)
+        standing += static_cast<double>(ends[place(row, k)]);
   }
   EnergySums energy{};
-  const WalkEnd straight = task_.walk.from_above ? WalkEnd::down : WalkEnd::up;
+  const bool from_above = task_.walk.from_above;
+  const int straight = bounded_ ? straight_row<true>(from_above) : straight_row<false>(from_above);
   for (int c = 0; c < task_.channels; ++c) {
     // What walks of one order weigh together as they end.
-    const auto ended = [&](WalkEnd end, int order) {
+    const auto ended = [&](auto end, int order) {
       const std::size_t at = place(end, order);
       if (!task_.weighs())
         return chance * static_cast<double>(ends[at]) * setting_.weight_after(0, order);
@@ -271,6 +277,13 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
       energy.absorbed[c] -=
           ended(WalkEnd::up, k) + ended(WalkEnd::down, k) + ended(WalkEnd::unresolved, k);
     }
+    if (!bounded_) continue;
+    for (int k = 0; k <= kOrders; ++k) energy.lost[c] += ended(kLostRow, k);
+    (from_above ? energy.specular_up : energy.specular_down)[c] =
+        ended(kDeltaRow + (from_above ? 0 : 1), 0);
+    energy.zero_up[c] = ended(WalkEnd::up, 0) + energy.specular_up[c];
+    energy.zero_down[c] = ended(WalkEnd::down, 0) + energy.specular_down[c];
+    energy.absorbed[c] -= energy.lost[c] + energy.zero_up[c] + energy.zero_down[c];
   }
   tally.energy = energy;
   tally.collisions = counts.events - counts.reflections;
@@ -288,11 +301,12 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
   if (task_.estimate == LaneEstimate::cells_counted) {
     const double scale = chance / cells_.grid.projected_solid_angle();
     const std::size_t targets = cells_.count();
-    for (int slot = 0; slot < kOrders; ++slot) {
-      const double weight = task_.weighs() ? 1 / kPointUnits : setting_.weight_after(0, slot + 1);
+    for (int slot = 0; slot < slots(); ++slot) {
+      const std::uint32_t order = slot == kZeroSlot ? 0 : static_cast<std::uint32_t>(slot) + 1;
+      const double weight = task_.weighs() ? 1 / kPointUnits : setting_.weight_after(0, order);
       for (int c = 0; c < channels; ++c)
         for (std::size_t j = 0; j < targets; ++j) {
-          const auto sum = static_cast<double>(counts.cells[(c * kOrders + slot) * targets + j]);
+          const auto sum = static_cast<double>(counts.cells[(c * slots() + slot) * targets + j]);
           tally.f[(slot * channels + c) * targets + j] = scale * weight * sum;
         }
     }
@@ -322,11 +336,11 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
 }
 
 LaneUse LaneRun::use() const {
-  double steps = 0, busy = 0, events = 0;
+  double steps = 0, busy = 0, events = 0;  // meetings with interfaces among them
   for (const Counts& c : counts_) {
     steps += static_cast<double>(c.lane_steps);
     busy += static_cast<double>(c.busy);
-    events += static_cast<double>(c.events);
+    events += static_cast<double>(c.events + c.meetings);
   }
   if (busy <= 0) return {};
   return {busy / steps, 1 - events / busy};

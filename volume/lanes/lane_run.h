@@ -64,7 +64,7 @@ class LaneRun {
     std::vector<std::int64_t> weights, cells;
     Aligned<std::int64_t> targets;
     Aligned<float> scratch;
-    std::uint64_t lane_steps = 0, busy = 0, events = 0, reflections = 0;
+    std::uint64_t lane_steps = 0, busy = 0, events = 0, reflections = 0, meetings = 0;
     [[nodiscard]] LaneSums sums() {
       return {.ends = ends.data(),
               .weights = weights.data(),
@@ -85,7 +85,12 @@ class LaneRun {
   /// What walks of one channel count by their order, for stacks of one albedo in colour.
   void tabulate_weights(int channel);
 
+  /// Rows of ends, and slots of orders.
+  [[nodiscard]] int rows() const { return bounded_ ? kEndRows<true> : kEndRows<false>; }
+  [[nodiscard]] int slots() const { return bounded_ ? kZeroSlot + 1 : kTallyOrders; }
+
   LaneSetting<float> setting_;
+  bool bounded_;  ///< there are interfaces
   Thinning thinning_;
   void (*walk_)(const LaneWalkTask&);
   LaneWalkTask task_;

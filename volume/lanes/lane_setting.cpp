@@ -54,6 +54,8 @@ class LayerWriter {
     for (int k = 0; k < 6; ++k) set(field + k, numbers[k]);
   }
 
+  void set_unit_matrix() { set_matrix(kA, {1, 0, 1, 0, 0, 1}); }
+
   // Media without a kernel never get here: why_not_lanes (lane_limits.cpp) refuses them.
   template <class M>
   void operator()(const M&) {
@@ -73,7 +75,7 @@ class LayerWriter {
  private:
   void particle(LaneMediumKind kind) {
     set_kind(kind);
-    set_matrix(kA, {1, 0, 1, 0, 0, 1});
+    set_unit_matrix();
   }
   void sggx(LaneMediumKind kind, const Sggx& flakes) {
     set_kind(kind);
@@ -122,19 +124,63 @@ bool is_upright(const LayerNumbers<Scalar>& layers, int count) {
   return true;
 }
 
+template <class Scalar>
+void write_boundary(const std::optional<Dielectric>& interface, int at,
+                    BoundaryNumbers<Scalar>& to) {
+  if (!interface) return;
+  const auto set = [&](int field, double value) {
+    to.value[field][at] = static_cast<Scalar>(value);
+  };
+  set(kShape, 1 + static_cast<int>(interface->facets.shape));
+  const double down = interface->below / interface->above;
+  set(kRatioDown, down);
+  set(kExcessDown, (down - 1) * (down + 1));
+  set(kRatioUp, 1 / down);
+  set(kExcessUp, (1 - down) * (1 + down) / (down * down));
+  if (interface->is_smooth()) {
+    to.smooth = true;
+    return;
+  }
+  to.rough = true;
+  const bool ggx = interface->facets.shape == FacetShape::ggx;
+  to.ggx = to.ggx || ggx;
+  to.beckmann = to.beckmann || !ggx;
+  to.words = std::max(to.words, ggx ? kGgxWords : kBeckmannWords);
+  set(kAlphaX, interface->facets.alpha_x);
+  set(kAlphaY, interface->facets.alpha_y);
+  set(kMasking, static_cast<int>(interface->masking));
+  to.beta = to.beta || interface->masking == Masking::beta;
+  to.separable = to.separable || interface->masking == Masking::separable;
+}
+
 }  // namespace
 
 std::vector<LanePart> lane_parts(const Stack& stack, const Plan& plan) {
   std::vector<LanePart> parts;
-  for (const int k : plan.layers) {
-    const double depth = stack.layers[k].depth();
-    if (depth > kDeepestPart && std::isfinite(depth))
-      for (const double part : {kDeepestPart / 2, depth - kDeepestPart, kDeepestPart / 2})
-        parts.push_back({k, part});
-    else
-      parts.push_back({k, depth});
+  const auto add = [&](int layer, double depth, const std::optional<Dielectric>& above) {
+    if (depth > kDeepestPart && std::isfinite(depth)) {
+      parts.push_back({layer, kDeepestPart / 2, above});
+      parts.push_back({layer, depth - kDeepestPart});
+      parts.push_back({layer, kDeepestPart / 2});
+    } else {
+      parts.push_back({layer, depth, above});
+    }
+  };
+  if (plan.boundaries) {
+    const BoundaryStack bounded(stack, plan);
+    for (int k = 0; k < bounded.count(); ++k)
+      add(bounded.sources[k], bounded.layers[k].depth, bounded.boundaries[k]);
+    if (parts.empty()) parts.push_back({-1, 0, bounded.boundaries[0]});  // an interface alone
+  } else {
+    for (const int k : plan.layers) add(k, stack.layers[k].depth(), {});
   }
   return parts;
+}
+
+std::optional<Dielectric> lane_bottom(const Stack& stack, const Plan& plan) {
+  if (!plan.boundaries) return std::nullopt;
+  const BoundaryStack bounded(stack, plan);
+  return bounded.count() > 0 ? bounded.boundaries.back() : std::nullopt;
 }
 
 template <class Scalar>
@@ -154,14 +200,20 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
   walk.max_order = static_cast<std::uint32_t>(plan.max_order);
   walk.thinned_from = plan.thinning.first;
   walk.seed = seed;
-  albedo = channels(stack.layers[plan.layers[0]].albedo);
-  common_albedo = !walk.substrate;
+  const auto below = channels(stack.substrate ? stack.substrate->albedo : Rgb(0));
+  const bool empty = plan.layers.empty();  // the substrate's events are all there are
+  albedo = empty ? below : channels(stack.layers[plan.layers[0]].albedo);
+  common_albedo = empty || !walk.substrate;
   double tau = 0;
   for (int k = 0; k < walk.layer_count; ++k) {
-    const Layer& layer = stack.layers[parts[k].layer];
     LayerWriter<Scalar> writer(*this, k, incident);
-    std::visit(writer, layer.medium);
     writer.set(kDepth, parts[k].depth);
+    if (parts[k].layer < 0) {
+      writer.set_unit_matrix();
+      continue;
+    }
+    const Layer& layer = stack.layers[parts[k].layer];
+    std::visit(writer, layer.medium);
     tau += parts[k].depth * writer.area / std::abs(incident.z);
     for (int c = 0; c < 3; ++c) {
       writer.set(kAlbedo + c, layer.albedo[c]);
@@ -176,7 +228,6 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
   if (walk.substrate) {
     walk.kinds |= 1u << static_cast<int>(LaneMediumKind::substrate);
     walk.words = std::max(walk.words, words_of(LaneMediumKind::substrate));
-    const auto below = channels(stack.substrate->albedo);
     std::copy(below.begin(), below.end(), walk.substrate_albedo);
   }
   const double brightest = *std::max_element(albedo.begin(), albedo.end());
@@ -187,6 +238,16 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
       common_albedo && !walk.black && !plan.thinning.is_on() &&
       kLargestExponential * static_cast<double>(walk.orders_per_absorption) + kRouletteOrder + 1 <
           static_cast<double>(plan.max_order);
+  if (plan.boundaries) {
+    for (int k = 0; k < walk.layer_count; ++k) write_boundary(parts[k].above, k, boundaries);
+    write_boundary(lane_bottom(stack, plan), walk.layer_count, boundaries);
+    int interfaces = 0;
+    for (int k = 0; k <= walk.layer_count; ++k)
+      if (boundaries.value[kShape][k] > 0) boundaries.only = interfaces++ == 0 ? k : -1;
+    walk.boundaries = &boundaries;
+    walk.collides_at_once = boundaries.value[kShape][walk.from_above ? 0 : walk.layer_count] > 0;
+    return;
+  }
   const double collides = -std::expm1(-tau);
   constexpr double kAtOnce = 0.999;
   walk.collides_at_once = collides > kAtOnce;

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "phase/interface/dielectric.h"
+#include "volume/interfaces/boundary_stack.h"
+#include "volume/lanes/lane_boundaries.h"
 #include "volume/lanes/lane_step.h"
 #include "volume/plan/plan.h"
 
@@ -9,14 +13,17 @@ namespace lamella {
 
 /// A part of a layer that lanes take as a layer of its own.
 struct LanePart {
-  int layer;  ///< of the stack
+  int layer;  ///< of the stack; -1: an empty one between interfaces
   double depth;
+  std::optional<Dielectric> above{};  ///< the interface on top of it, if there is one
 };
 
 /// The layers of a plan as lanes take them. Depth is kept from a layer's top, and float would not
 /// resolve where light enters a deep slab from below: layers deeper than kDeepestPart are cut into
 /// a bulk, in whose midst a place may be rounded, and two ends.
 [[nodiscard]] std::vector<LanePart> lane_parts(const Stack& stack, const Plan& plan);
+/// The interface below the last part, if there is one.
+[[nodiscard]] std::optional<Dielectric> lane_bottom(const Stack& stack, const Plan& plan);
 inline constexpr double kDeepestPart = 16;
 
 /// A stack and its light in the numbers of lanes (float), or of their reference (double). The
@@ -32,10 +39,12 @@ struct LaneSetting {
   [[nodiscard]] double weight_after(int channel, std::uint32_t order) const;
 
   LayerNumbers<Scalar> layers;
+  BoundaryNumbers<Scalar> boundaries;  ///< of stacks with interfaces
   WalkSetting<Scalar> walk;
   std::vector<LanePart> parts;
   std::vector<float> tables;
-  /// Of every layer, where all are the same: walks then carry no weights, the order tells them.
+  /// Of every layer, or of the substrate alone, where all are the same: walks then carry no
+  /// weights, the order tells them.
   bool common_albedo = false;
   std::array<double, 3> albedo{};
   double chance = 1;  ///< of the first collision where it is forced

@@ -17,8 +17,26 @@ inline constexpr std::uint32_t kLaneWalkStream = 4, kLaneTargetStream = 6;
 /// What became of a walk.
 enum class WalkEnd : std::uint32_t { up = 0, down = 1, absorbed = 2, unresolved = 3, thinned = 4 };
 inline constexpr int kWalkEnds = 5;
+/// Walks through boundaries have three rows more (volume/lanes/lane_boundaries.h).
+template <bool kBounded>
+inline constexpr int kEndRows = kBounded ? kWalkEnds + 3 : kWalkEnds;
+inline constexpr int kLostRow = kWalkEnds;       ///< in the shadow of facets
+inline constexpr int kDeltaRow = kWalkEnds + 1;  ///< left up, and down, by smooth boundaries alone
+/// The row of light that goes straight through.
+template <bool kBounded>
+[[nodiscard]] LAMELLA_INLINE constexpr int straight_row(bool from_above) {
+  return (kBounded ? kDeltaRow : 0) + (from_above ? 1 : 0);
+}
+/// Bits of a walk's end beside its order, through boundaries.
+inline constexpr int kBoundedBits = 5;
+inline constexpr std::uint32_t kLostBit = 4, kMetDeltasBit = 8, kCutBit = 16;
+/// The highest order that leaves room for them.
+inline constexpr std::uint64_t kMostBoundedOrder = 100000000;
 /// The order from which on walks end by roulette: kTallyOrders.
 inline constexpr std::uint32_t kRouletteOrder = 4;
+
+template <class Scalar>
+struct BoundaryNumbers;
 
 /// A stack and its light as walks on lanes know them.
 template <class Scalar>
@@ -44,6 +62,7 @@ struct WalkSetting {
   std::uint32_t thinned_from = 0;  ///< Thinning::first
   int words = 1;  ///< random words that an event takes: the most that any of the media needs
   std::uint64_t seed = 0;
+  const BoundaryNumbers<Scalar>* boundaries = nullptr;  ///< of stacks with interfaces
 };
 
 /// Walks, one per lane. C: weights that they carry, 3, or 0 where the order alone tells them.
@@ -62,7 +81,7 @@ struct LaneState {
 /// One layer of one medium, known at compile time.
 template <class Real, template <class> class M>
 struct OneMedium {
-  static constexpr bool kSingle = true, kNull = M<Real>::kNull;
+  static constexpr bool kSingle = true, kNull = M<Real>::kNull, kBounded = false;
   using Scalar = typename NumberTraits<Real>::Scalar;
   M<Real> medium;
   Real depth;
@@ -86,7 +105,7 @@ struct OneMedium {
 /// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
 template <class Real>
 struct AnyMedia {
-  static constexpr bool kSingle = false, kNull = true;
+  static constexpr bool kSingle = false, kNull = true, kBounded = false;
   using Scalar = typename NumberTraits<Real>::Scalar;
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
@@ -365,6 +384,13 @@ LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>:
     w.death = min(w.death, t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder));
   }
   if (t.thinned_from > 0) w.death = min(w.death, thinned_at(t.thinned_from, w.numbers.next()));
+  if constexpr (Set::kBounded) {
+    Words entry;
+    if (set.enters_at_boundary(entry)) {
+      w.layer = entry;
+      return exist;
+    }
+  }
   if (!(t.forced_chance > 0))
     return set.fly(w.wi, exponential_of(flight), exist, w.layer, w.y) & exist;
   // -log(1 - x) by its series, x the uniform number times the chance

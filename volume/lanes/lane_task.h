@@ -61,6 +61,7 @@ struct LaneSums {
   /// the others had a null collision.
   std::uint64_t lane_steps = 0, busy_lane_steps = 0, events = 0;
   std::uint64_t reflections = 0;  ///< the substrate's among the events
+  std::uint64_t meetings = 0;     ///< with interfaces, which are no events
   /// False where a walk met a number that is not finite.
   bool finite = true;
 };
@@ -105,5 +106,6 @@ struct LaneWalkTask {
 
 LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, walk_bounded_lanes, (const LaneWalkTask& task))
 
 }  // namespace lamella

@@ -98,14 +98,16 @@ void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& 
   if (const auto reason = why_not_lanes_in_cells(stack, plan, CellGrid{}))
     notes.push_back({"instructions", "scalar kernel for next-event estimation in cells", *reason});
   const bool common = LaneSetting<double>(stack, plan, {0, 0, 1}, 0).common_albedo;
-  notes.push_back(common ? PlanNote{"weights",
-                                    plan.channels == 1
-                                        ? "none: a walk's order tells its weight"
-                                        : "none: colours are recombined from orders, c^k f_k",
-                                    "one albedo in all layers, no Fresnel factor, no substrate"}
-                         : PlanNote{"weights", "carried by each walk, one per channel",
-                                    "albedos differ, or a Fresnel factor or substrate takes its "
-                                    "share"});
+  notes.push_back(
+      common ? PlanNote{"weights",
+                        plan.channels == 1 ? "none: a walk's order tells its weight"
+                                           : "none: colours are recombined from orders, c^k f_k",
+                        plan.layers.empty() ? "the substrate's albedo is the only one"
+                                            : "one albedo in all layers, no Fresnel factor, no "
+                                              "substrate"}
+             : PlanNote{"weights", "carried by each walk, one per channel",
+                        "albedos differ, or a Fresnel factor or substrate takes its "
+                        "share"});
 }
 
 }  // namespace

@@ -59,8 +59,7 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   grid.folded = plan.folded && grid.phi_cells % 2 == 0;
   targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
   for (BatchTally& batch : batches_)
-    batch.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels *
-                   targets_.count());
+    batch.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels * targets_.count());
   if (stack.grains()) {
     run_batch_ = grain_runner(estimator == Estimator::analog ? GrainScores::analog
                                                              : GrainScores::next_event);
@@ -71,15 +70,15 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
         grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
     return;
   }
-  if (plan.boundaries) {
-    run_batch_ =
-        boundary_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
-    return;
-  }
   if (!(estimator == Estimator::analog ? why_not_lanes(stack_, plan_)
                                        : why_not_lanes_in_cells(stack_, plan_, targets_.grid))) {
     lanes_ =
         std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, targets_, estimator);
+    return;
+  }
+  if (plan.boundaries) {
+    run_batch_ =
+        boundary_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
     return;
   }
   run_batch_ = plan.channels == 1 ? runner<1>(estimator, false) : runner<3>(estimator, false);
@@ -106,13 +105,13 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
                              &points_, batches_);
     return;
   }
+  if (!why_not_lanes_at(stack_, plan_, points_)) {
+    lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, points_);
+    return;
+  }
   if (plan.boundaries) {
     run_batch_ = boundary_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
                                  &points_, batches_);
-    return;
-  }
-  if (!why_not_lanes_at(stack_, plan_, points_)) {
-    lanes_ = std::make_unique<LaneRun>(stack_, plan_, incident_, seed, kBatches, points_);
     return;
   }
   run_batch_ = plan.channels == 1 ? runner<1>(Estimator::next_event, true)

@@ -5,8 +5,10 @@
 #include <set>
 
 #include "analytic/model/model.h"
+#include "compare/bench/textbook_coat.h"
 #include "compare/bench/textbook_models.h"
 #include "phase/stack/builtin_stacks.h"
+#include "phase/stack/stack_file.h"
 #include "tests/statistics/statistics.h"
 
 namespace lamella {
@@ -103,6 +105,45 @@ TEST(Benchmark, TextbookLoopsSetUpTheirMediumOnceHoweverOftenTheyAdvance) {
 
 // A row's medium is set up once, before the clock runs, and its ratio is that of the rates at which
 // the two programs collide: nothing else is in it.
+TEST(Benchmark, TheTextbookLoopWithACoatAgreesWithTheEngine) {
+  for (const bool spheres : {true, false}) {
+    const TextbookCoatCase what{.ior = 1.5, .alpha = 0.4, .albedo = 0.8, .spheres = spheres};
+    const Stack stack = parse_stack(
+        std::string("[[layer]]\ninterface = \"ggx\"\nior = 1.5\nroughness = 0.4\n"
+                    "masking = \"correlated\"\n") +
+            (spheres ? "[[layer]]\nmedium = \"lambert_sphere\"\nthickness = inf\nalbedo = 0.8\n"
+                     : "[substrate]\nalbedo = 0.8\n"),
+        "coat", "coat");
+    TextbookCoat textbook(what, benchmark_incident(), 1);
+    textbook.advance(100000);
+    Simulation engine(stack, make_plan(stack), benchmark_incident(), Estimator::analog, CellGrid{},
+                      1);
+    engine.advance(100000);
+    const RunResult run = reduce(engine);
+    const TextbookCoatResult& t = textbook.result();
+    const double n = static_cast<double>(t.walks), mean = t.reflected / n;
+    const Estimate reflected{mean, std::sqrt((t.reflected2 / n - mean * mean) / n)};
+    EXPECT_LT(std::abs(z_score(run.reflected.total[0], reflected.value, reflected.standard_error)),
+              testing::normal_quantile(testing::test_level()))
+        << spheres;
+    // Weights of at most 1 have no larger variance than a chance of their mean.
+    const double coat = t.coat / n;
+    EXPECT_LT(std::abs(z_score(run.reflected.zero[0], coat, std::sqrt(coat * (1 - coat) / n))),
+              testing::normal_quantile(testing::test_level()))
+        << spheres;
+  }
+}
+
+TEST(Benchmark, QuickCoatRowsHaveARatio) {
+  int count = 0;
+  measure_coats(BenchmarkEffort::quick(), 1, [&](const BenchmarkRow& row) {
+    ++count;
+    EXPECT_GT(*row.ratio_to_baseline, 0) << row.what;
+    EXPECT_GT(row.extra.at("interfaces_per_walk").get<double>(), 1) << row.what;
+  });
+  EXPECT_EQ(count, 2);
+}
+
 TEST(Benchmark, QuickWalkRowsTimeCollisionsInTheBaselineAsInTheEngine) {
   const std::uint64_t before = textbook_media_made();
   std::size_t count = 0;

@@ -1,6 +1,7 @@
 #include "tests/phase/lanes/lane_probe.h"
 
 #include "phase/lanes/double_lanes.h"
+#include "phase/lanes/lane_erf.h"
 #include "phase/lanes/lane_math.h"
 #include "phase/random/lane_random.h"
 
@@ -32,6 +33,10 @@ void probe_reciprocals(const float* x, float* inverse, float* inverse_root, floa
     reciprocal_sqrt(Floats::load(x + i)).store(inverse_root + i);
     cbrt(Floats::load(x + i)).store(cube_root + i);
   }
+}
+
+void probe_scaled_erfc(const float* x, float* value, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) scaled_erfc(Floats::load(x + i)).store(value + i);
 }
 
 void probe_double_math(const double* x, double* log_x, double* exp_x, double* cos_x, double* erf_x,

@@ -17,6 +17,8 @@ LAMELLA_LANE_FUNCTION(void, probe_turns,
 LAMELLA_LANE_FUNCTION(void, probe_reciprocals,
                       (const float* x, float* reciprocal, float* reciprocal_sqrt, float* cube_root,
                        std::size_t count))
+/// phase/lanes/lane_erf.h
+LAMELLA_LANE_FUNCTION(void, probe_scaled_erfc, (const float* x, float* value, std::size_t count))
 /// phase/lanes/double_lanes.h; log of |x|, exp of x.
 LAMELLA_LANE_FUNCTION(void, probe_double_math,
                       (const double* x, double* log, double* exp, double* cos, double* erf,

@@ -7,6 +7,7 @@
 
 #include "phase/random/block_random.h"
 #include "phase/random/random.h"
+#include "phase/surface/microfacet_formulas.h"
 #include "tests/phase/lanes/lane_probe.h"
 
 namespace lamella {
@@ -90,6 +91,22 @@ TEST_P(Lanes, ReciprocalsKeepTheirStatedErrors) {
       EXPECT_NEAR(cube_root[i] / std::cbrt(v), 1, 4e-7);
     }
   }
+}
+
+TEST_P(Lanes, TheScaledErrorFunctionKeepsItsStatedError) {
+  for (const auto& x : {spread(0, 1), spread(1, 10), spread(10, 1000)}) {
+    std::vector<float> value(kMany);
+    probe_scaled_erfc_for(GetParam())(x.data(), value.data(), kMany);
+    for (std::size_t i = 0; i < kMany; ++i) {
+      const double v = x[i];
+      EXPECT_NEAR(value[i] / scaled_erfc(v), 1, 8e-7) << v;
+      if (v < 5) {
+        EXPECT_NEAR(scaled_erfc(v) * std::exp(-v * v) / std::erfc(v), 1, 1e-13) << v;
+      }
+    }
+  }
+  // Where the double's two forms meet.
+  EXPECT_NEAR(scaled_erfc(20.0 - 1e-9) / scaled_erfc(20.0), 1, 1e-9);
 }
 
 TEST_P(Lanes, PhiloxGivesTheNumbersOfTheScalarStream) {
