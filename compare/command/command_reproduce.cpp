@@ -26,22 +26,40 @@ const std::vector<Reproduction>& reproductions() {
       {"vmf_figure_5",
        "successively smaller spheres in a slab of one thickness, for two packings: the error of "
        "vmf_diffuse falls to that of the medium",
-       "d'Eon and Weidlich 2024, VMF Diffuse, figure 5", 400000, reproduce_vmf_figure_5},
+       "d'Eon and Weidlich 2024, VMF Diffuse, figure 5", 400000, true, reproduce_vmf_figure_5},
       {"vmf_figure_6",
        "slices of the hemisphere, first and second bounce: a deep sphere bed, vmf_diffuse at r = "
        "0.4, a Beckmann height field at alpha = 1.4",
-       "d'Eon and Weidlich 2024, VMF Diffuse, figure 6", 400000, reproduce_vmf_figure_6},
+       "d'Eon and Weidlich 2024, VMF Diffuse, figure 6", 400000, true, reproduce_vmf_figure_6},
       {"lambert_sphere_dilute",
        "a deep bed of Lambertian spheres approaches the Lambert-sphere medium and its BRDF as the "
        "volume fraction falls",
-       "d'Eon 2021, Lambert-sphere BRDF, figures 1 and 12", 1000000,
+       "d'Eon 2021, Lambert-sphere BRDF, figures 1 and 12", 1000000, true,
        reproduce_lambert_sphere_dilute},
       {"micrograin_figure_4", "distances to the closest grain, and the filling factor",
-       "Lucas et al. 2023, Micrograin BSDF, figure 4", 1000000, reproduce_micrograin_figure_4},
+       "Lucas et al. 2023, Micrograin BSDF, figure 4", 1000000, true,
+       reproduce_micrograin_figure_4},
       {"micrograin_figure_5", "distribution of the grains' normals",
-       "Lucas et al. 2023, Micrograin BSDF, figure 5", 1000000, reproduce_micrograin_figure_5},
+       "Lucas et al. 2023, Micrograin BSDF, figure 5", 1000000, true,
+       reproduce_micrograin_figure_5},
       {"micrograin_figure_9", "visible filling factor",
-       "Lucas et al. 2023, Micrograin BSDF, figure 9", 1000000, reproduce_micrograin_figure_9},
+       "Lucas et al. 2023, Micrograin BSDF, figure 9", 1000000, true,
+       reproduce_micrograin_figure_9},
+      {"vmf_figure_9",
+       "spheres of vMF flakes under a dielectric coat and bare, over the flakes' roughness: by the "
+       "solver, by walks and by closed forms",
+       "d'Eon and Weidlich 2024, VMF Diffuse, figure 9", 20000, false, reproduce_vmf_figure_9},
+      {"lambert_sphere_figure_13",
+       "a rough coat over Lambert's law, Lambert spheres (the medium and its BRDF) and "
+       "Henyey-Greenstein: by the solver, by walks and by closed forms",
+       "d'Eon 2021, Lambert-sphere BRDF, figure 13", 20000, false,
+       reproduce_lambert_sphere_figure_13},
+      {"spongecake_figure_14",
+       "a half space of SGGX mirrors in single scattering, doubled, against microfacets",
+       "Wang et al. 2022, SpongeCake, figure 14", 1, false, reproduce_spongecake_figure_14},
+      {"spongecake_figure_16",
+       "sheen: a layer of SGGX fibers that stand up against Conty and Kulla's facets",
+       "Wang et al. 2022, SpongeCake, figure 16", 1, false, reproduce_spongecake_figure_16},
   };
   return list;
 }
@@ -71,7 +89,7 @@ int reproduce_command(const Options& options, const std::string& name,
     throw UsageError(fmt::format("reproduction \"{}\": unknown{}; allowed: {}", name,
                                  hint.empty() ? "" : ", " + hint, listed(names)));
   }
-  GrainScene::require_available();
+  if (found->has_grains) GrainScene::require_available();
   ReproductionContext context{.seed = options.seed,
                               .stop = &user_interrupt,
                               .table = options.quiet ? nullptr : out,

@@ -45,10 +45,9 @@ void define_grid(CommandLine& line) {
 }
 
 void define_reproduce(CommandLine& line) {
-  CLI::App& command = line.add("reproduce", "A published figure, again, from explicit geometry",
-                               "lamella reproduce micrograin_figure_9 --walks 1e5", [&] {
-                                 return reproduce_command(line.options, line.word, line.pictures);
-                               });
+  CLI::App& command = line.add(
+      "reproduce", "A published figure, again", "lamella reproduce micrograin_figure_9 --walks 1e5",
+      [&] { return reproduce_command(line.options, line.word, line.pictures); });
   command.add_option("NAME", line.word, "The figure; without: lists what there is")
       ->transform(named("a name of the list"));
   add_walks(command, line, "Walks or rays in all");

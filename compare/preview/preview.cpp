@@ -65,29 +65,46 @@ std::string to_text(PreviewLight light) {
   return light == PreviewLight::lamp ? "lamp" : "environment";
 }
 
-PreviewImage render(const ReflectionTowards& f, const PreviewView& view,
-                    const ReflectedLight& reflected) {
+namespace {
+
+// radiance(surface, to_viewer) where a pixel's ray meets the scene.
+template <class Radiance>
+PreviewImage rendered(const PreviewView& view, const Radiance& radiance) {
   PreviewImage image{view.width(), view.height(), {}, {}};
   const auto pixels = static_cast<std::size_t>(image.width) * image.height;
   image.radiance.resize(pixels);
   std::vector<char> covered(pixels);
-  const Direction lamp = lamp_of(view);
   tbb::parallel_for(0, image.height, [&](int row) {
     for (int column = 0; column < image.width; ++column) {
       const auto hit = hit_of(view, column, row);
       if (!hit) continue;
       const std::size_t k = static_cast<std::size_t>(row) * image.width + column;
       covered[k] = 1;
-      if (view.light == PreviewLight::environment) {
-        image.radiance[k] = reflected(hit->surface.n, hit->to_viewer);
-        continue;
-      }
-      const Direction wi = hit->surface.to_local(lamp);
-      if (wi.z > 0) image.radiance[k] = kPi * wi.z * f(hit->surface.to_local(hit->to_viewer))(wi);
+      image.radiance[k] = radiance(hit->surface, hit->to_viewer);
     }
   });
   image.covered.assign(covered.begin(), covered.end());
   return image;
+}
+
+}  // namespace
+
+PreviewImage render_lamp(const ReflectionTowards& f, const Specular& specular,
+                         const PreviewView& view) {
+  const Direction lamp = lamp_of(view);
+  return rendered(view, [&](const Basis& surface, Direction to_viewer) {
+    const Direction wi = surface.to_local(lamp), wo = surface.to_local(to_viewer);
+    if (!(wi.z > 0)) return Rgb();
+    return kPi * wi.z * f(wo)(wi) + kPi * mirrored(specular, wo, wi);
+  });
+}
+
+PreviewImage render(const ReflectionTowards& f, const PreviewView& view,
+                    const ReflectedLight& reflected) {
+  if (view.light == PreviewLight::lamp) return render_lamp(f, reflected.specular(), view);
+  return rendered(view, [&](const Basis& surface, Direction to_viewer) {
+    return reflected(surface.n, to_viewer);
+  });
 }
 
 }  // namespace lamella

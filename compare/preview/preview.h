@@ -35,10 +35,14 @@ struct PreviewImage {
   std::vector<bool> covered;
 };
 
-/// One sample in the middle of each pixel. `reflected`: f and what it reflects of an environment;
-/// a lamp needs f alone. Runs in the calling thread's task arena.
+/// One sample in the middle of each pixel. `reflected`: f and what it reflects of an environment; a
+/// lamp needs f and the delta alone. Runs in the calling thread's task arena.
 [[nodiscard]] PreviewImage render(const ReflectionTowards& f, const PreviewView& view,
                                   const ReflectedLight& reflected);
+
+/// The same under the lamp alone, of a surface that need not be integrated.
+[[nodiscard]] PreviewImage render_lamp(const ReflectionTowards& f, const Specular& specular,
+                                       const PreviewView& view);
 
 /// A named picture of a view; the first of a view is the truth.
 struct PreviewColumn {

@@ -45,6 +45,30 @@ std::string title_of(const PreviewView& view, const PreviewLighting& lighting) {
                                                          : "the environment");
 }
 
+// What is drawn, and its name.
+struct Surface {
+  std::string name;
+  ReflectionTowards f;
+  Specular specular;  // none: no delta
+};
+
+Surface surface_of(const LobeTable& truth) {
+  Surface surface{"truth", [&](Direction wo) { return truth.towards(wo); }, {}};
+  if (truth.has_specular()) surface.specular = [&](Direction wo) { return truth.specular(wo); };
+  return surface;
+}
+
+Surface surface_of(const std::string& name, const Model& model) {
+  Surface surface{
+      name,
+      [&model](Direction wo) { return [&model, wo](Direction wi) { return model.eval(wi, wo); }; },
+      {}};
+  // A coat that mirrors does so along the normal, too.
+  if (model.specular({0, 0, 1}).max() > 0)
+    surface.specular = [&model](Direction wo) { return model.specular(wo); };
+  return surface;
+}
+
 std::string png_url(const std::string& png) { return "data:image/png;base64," + base64(png); }
 
 }  // namespace
@@ -56,16 +80,13 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                          const std::vector<std::string>& names,
                                          const PreviewLighting& lighting, int size,
                                          const StopFlag* stop) {
-  std::vector<std::pair<std::string, ReflectionTowards>> surfaces{
-      {"truth", [&](Direction wo) { return truth.towards(wo); }}};
+  std::vector<Surface> surfaces{surface_of(truth)};
   for (std::size_t k = 0; k < models.size(); ++k)
-    surfaces.emplace_back(names[k], [model = models[k].model.get()](Direction wo) {
-      return [model, wo](Direction wi) { return model->eval(wi, wo); };
-    });
+    surfaces.push_back(surface_of(names[k], *models[k].model));
   std::vector<ReflectedLight> reflected;
-  for (const auto& [name, f] : surfaces) {
+  for (const Surface& s : surfaces) {
     if (is_set(stop)) return {};
-    reflected.emplace_back(f, lighting.environment);
+    reflected.emplace_back(s.f, lighting.environment, s.specular);
   }
   std::vector<PreviewResult> views;
   for (const PreviewScene scene : {PreviewScene::sphere, PreviewScene::plane})
@@ -74,7 +95,7 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
       PreviewResult result{{scene, light, size, lighting.lamp_theta, lighting.lamp_phi}, {}};
       for (std::size_t k = 0; k < surfaces.size(); ++k)
         result.columns.push_back(
-            {surfaces[k].first, render(surfaces[k].second, result.view, reflected[k])});
+            {surfaces[k].name, render(surfaces[k].f, result.view, reflected[k])});
       views.push_back(std::move(result));
     }
   return views;

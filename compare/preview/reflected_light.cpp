@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "compare/preview/environment_sum.h"
 #include "compare/truth/lobe_cells.h"
 
 namespace lamella {
@@ -42,6 +43,16 @@ Frame<double> frame_of(Direction n, Direction to_viewer) {
   return {x, cross(n, x), n};
 }
 
+double square(double x) { return x * x; }
+
+// Density [1/sr] of the blur of a mirror image. In the squared chord q, of which a solid angle
+// about the image is pi dq, it falls linearly.
+double mirror_disc(Direction w, Direction image) {
+  static const double most = square(2 * std::sin(kMirrorRadius / 2));
+  const Direction away = w - image;
+  return std::max(0.0, 1 - dot(away, away) / most) * 2 / (kPi * most);
+}
+
 }  // namespace
 
 ReflectedLight::ReflectedLight(Reflection f, const Environment& environment)
@@ -49,13 +60,18 @@ ReflectedLight::ReflectedLight(Reflection f, const Environment& environment)
           [f = std::move(f)](Direction wo) { return [&f, wo](Direction wi) { return f(wi, wo); }; },
           environment) {}
 
-ReflectedLight::ReflectedLight(ReflectionTowards f, const Environment& environment)
-    : f_(std::move(f)), environment_(environment), albedos_(kAngles + 1), sizes_(kAngles + 1) {
+ReflectedLight::ReflectedLight(ReflectionTowards f, const Environment& environment,
+                               Specular specular)
+    : f_(std::move(f)),
+      specular_(std::move(specular)),
+      environment_(environment),
+      albedos_(kAngles + 1),
+      sizes_(kAngles + 1) {
   tbb::parallel_for(0, kAngles + 1, [&](int k) {
     const double mu = angle_mu(k);
     const Direction wo = direction_from_mu_phi(mu, 0);
     const LobeCells lobe = lobe_cells(f_(wo), mu);
-    albedos_[k] = lobe.energy;
+    albedos_[k] = specular_ ? lobe.energy + specular_(wo) : lobe.energy;
     if (environment_.is_uniform()) return;
     sizes_[k] = sizes_of(lobe);
   });
@@ -114,13 +130,19 @@ Rgb ReflectedLight::albedo(double mu_o) const {
   return (1 - x) * albedos_[k] + x * albedos_[k + 1];
 }
 
+Rgb mirrored(const Specular& specular, Direction wo, Direction wi) {
+  if (!specular) return {};
+  const double density = mirror_disc(wi, {-wo.x, -wo.y, wo.z});
+  return density > 0 ? density * specular(wo) : Rgb();
+}
+
 double ReflectedLight::largest_extent(std::size_t angle, Direction local) const {
   const DiscPoint p = on_lambert_disc(local);
   const auto at = static_cast<std::size_t>(row_of(std::abs(p.y)) * kColumns + column_of(p.x));
   return std::max<double>(std::min(sizes_[angle][at], sizes_[angle + 1][at]), kLeastExtent);
 }
 
-// The sum over the tree's nodes for one surface and viewer.
+// The lobe of one surface and viewer, summed over the tree's nodes.
 struct ReflectedLight::Gathering {
   const ReflectedLight& light;
   Frame<double> frame;
@@ -145,52 +167,28 @@ struct ReflectedLight::Gathering {
     if (local.z < radius && across > kHorizonExtent) return true;
     return across > light.largest_extent(angle, local);
   }
+};
 
-  void visit(const Environment::Node& node) {
-    const Environment& environment = light.environment_;
-    if (node.flux[0] == 0 && node.flux[1] == 0 && node.flux[2] == 0) return;
-    const auto large = is_large(environment.middle(node), environment.extent(node));
-    if (!large) return;
-    if (*large && node.children >= 0) {
-      const auto children = static_cast<std::size_t>(node.children);
-      visit(environment.nodes()[children]);
-      visit(environment.nodes()[children + 1]);
-      return;
-    }
-    const Rgb flux(node.flux[0], node.flux[1], node.flux[2]);
-    if (*large && environment.blocks_are_texels())
-      halve(flux, environment.longitude(node.column),
-            environment.longitude(node.column + node.columns), environment.polar_angle(node.row),
-            environment.polar_angle(node.row + node.rows));
-    else
-      add(flux, {node.centroid[0], node.centroid[1], node.centroid[2]});
+// The disc about the mirror image of the viewer.
+struct ReflectedLight::Mirror {
+  Direction image, normal;
+  Rgb sum{};
+
+  void add(Rgb flux, Direction centroid) {
+    if (dot(centroid, normal) <= 0) return;
+    sum += mirror_disc(normalized(centroid), image) * flux;
   }
 
-  // A part of a block, whose radiance is constant.
-  void part(Rgb flux, double left, double right, double top, double bottom) {
-    const Direction middle = lat_long_direction((left + right) / 2, (top + bottom) / 2);
-    const double sine =
-        top < kPi / 2 && bottom > kPi / 2 ? 1 : std::max(std::sin(top), std::sin(bottom));
-    const auto large = is_large(middle, {bottom - top, (right - left) * sine});
-    if (!large) return;
-    if (*large)
-      halve(flux, left, right, top, bottom);
-    else
-      add(flux, middle);
-  }
-
-  void halve(Rgb flux, double left, double right, double top, double bottom) {
-    const double sine = std::sin((top + bottom) / 2);
-    if (bottom - top >= (right - left) * sine) {
-      const double between = (top + bottom) / 2;
-      const double share = (std::cos(top) - std::cos(between)) / (std::cos(top) - std::cos(bottom));
-      part(share * flux, left, right, top, between);
-      part((1 - share) * flux, left, right, between, bottom);
-    } else {
-      const double between = (left + right) / 2;
-      part(0.5 * flux, left, between, top, bottom);
-      part(0.5 * flux, between, right, top, bottom);
-    }
+  // Nothing where a rectangle lies outside of the disc.
+  [[nodiscard]] std::optional<bool> is_large(Direction middle,
+                                             const Environment::Extent& extent) const {
+    const double radius = (extent.latitude + extent.longitude) / 2;
+    const Direction away = middle - image;
+    // The chord of an angle a is 2 sin(a / 2).
+    if (const double reach = kMirrorRadius + radius;
+        reach < kPi && dot(away, away) > square(2 * std::sin(reach / 2)))
+      return std::nullopt;
+    return std::max(extent.latitude, extent.longitude) > kMirrorRadius / 8;
   }
 };
 
@@ -199,11 +197,15 @@ Rgb ReflectedLight::operator()(Direction n, Direction to_viewer) const {
   const Direction wo = frame.to_local(to_viewer);
   const Rgb uniform = environment_.uniform() * albedo(wo.z);
   if (environment_.is_uniform()) return uniform;
+  const Environment::Node& whole = environment_.nodes().front();
   const auto angle =
       static_cast<std::size_t>(std::min(static_cast<int>(place_of_mu(wo.z)), kAngles - 1));
   Gathering gathering{*this, frame, f_(wo), angle};
-  gathering.visit(environment_.nodes().front());
-  return uniform + gathering.sum;
+  EnvironmentSum(environment_, gathering).visit(whole);
+  if (!specular_) return uniform + gathering.sum;
+  Mirror mirror{2 * wo.z * n - to_viewer, n};
+  EnvironmentSum(environment_, mirror).visit(whole);
+  return uniform + gathering.sum + specular_(wo) * mirror.sum;
 }
 
 }  // namespace lamella

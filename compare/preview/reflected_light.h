@@ -16,6 +16,17 @@ using Reflection = std::function<Rgb(Direction wi, Direction wo)>;
 /// The same for one w_o at a time, as a function of w_i: what depends on w_o alone is done once.
 using ReflectionTowards = std::function<std::function<Rgb(Direction wi)>(Direction wo)>;
 
+/// The share of light that a surface mirrors towards w_o as a delta, which is no part of f.
+using Specular = std::function<Rgb(Direction wo)>;
+
+/// Radius [radians] of the disc over which mirror images are blurred: 2 degrees, the width of a
+/// pixel's reflection at the middle of a sphere, so that a lamp at infinity has an image.
+inline constexpr double kMirrorRadius = 2 * kPi / 180;
+
+/// What a delta makes of a lamp's irradiance across its rays: radiance per irradiance [1/sr] for a
+/// viewer at w_o and a lamp at w_i, both relative to the normal z.
+[[nodiscard]] Rgb mirrored(const Specular& specular, Direction wo, Direction wi);
+
 /// Radiance that a surface sends to its viewer under light from everywhere: the integral of
 /// f L mu_i over the hemisphere.
 ///
@@ -24,8 +35,9 @@ using ReflectionTowards = std::function<std::function<Rgb(Direction wi)>(Directi
 /// picture is summed over the nodes of its tree (environment.h), each descended into until it is
 /// small beside the lobe's own cells there: flux and cosine of a node are exact, and f is taken at
 /// the centroid of the node's light. So a small sun has its whole irradiance wherever it stands,
-/// and a narrow lobe is resolved wherever it lies. No random numbers: equal runs are equal,
-/// whatever the number of threads.
+/// and a narrow lobe is resolved wherever it lies. What is mirrored as a delta is seen as a disc of
+/// kMirrorRadius about the mirror image, brightest in its middle. No random numbers: equal runs are
+/// equal, whatever the number of threads.
 ///
 /// Error, of the energy of a lobe: kLobeTolerance under uniform light; below 0.3 % under a picture
 /// of any contrast (tests hold both at roughness 0.02 to 1).
@@ -34,11 +46,13 @@ class ReflectedLight {
   static constexpr int kAngles = 96;
 
   /// Runs in the calling thread's task arena. The environment must outlive this object.
-  ReflectedLight(ReflectionTowards f, const Environment& environment);
+  ReflectedLight(ReflectionTowards f, const Environment& environment, Specular specular = {});
   ReflectedLight(Reflection f, const Environment& environment);
 
   /// n: the unit normal; to_viewer: unit, above the surface.
   [[nodiscard]] Rgb operator()(Direction n, Direction to_viewer) const;
+
+  [[nodiscard]] const Specular& specular() const { return specular_; }
 
   /// The share of light from all sides that is sent to a viewer at this cosine.
   [[nodiscard]] Rgb albedo(double mu_o) const;
@@ -52,9 +66,11 @@ class ReflectedLight {
   using Sizes = std::vector<float>;
   [[nodiscard]] static Sizes sizes_of(const LobeCells& lobe);
   struct Gathering;
+  struct Mirror;
   [[nodiscard]] double largest_extent(std::size_t angle, Direction local) const;
 
   ReflectionTowards f_;
+  Specular specular_;
   const Environment& environment_;
   std::vector<Rgb> albedos_;
   std::vector<Sizes> sizes_;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -24,14 +25,17 @@ struct ReproductionContext {
 
   /// Writes NAME.png, NAME.svg, ... and adds them to `pictures`. Throws OutputError.
   void write(const std::string& name, const Chart& chart);
+  /// The same of a picture by the bytes of a format.
+  void write(const std::string& name, const std::function<std::string(PictureFormat)>& draw);
 };
 
-/// A published figure that one command makes again from explicit geometry.
+/// A published figure that one command makes again.
 struct Reproduction {
   std::string name;
   std::string doc;
   std::string source;
   std::uint64_t walks;  ///< by default
+  bool has_grains;      ///< from explicit geometry, which needs Embree
   /// Prints the table, writes the pictures, and gives the rows of the table.
   nlohmann::ordered_json (*run)(ReproductionContext& context);
 };
@@ -45,5 +49,9 @@ nlohmann::ordered_json reproduce_lambert_sphere_dilute(ReproductionContext& cont
 nlohmann::ordered_json reproduce_micrograin_figure_4(ReproductionContext& context);
 nlohmann::ordered_json reproduce_micrograin_figure_5(ReproductionContext& context);
 nlohmann::ordered_json reproduce_micrograin_figure_9(ReproductionContext& context);
+nlohmann::ordered_json reproduce_vmf_figure_9(ReproductionContext& context);
+nlohmann::ordered_json reproduce_lambert_sphere_figure_13(ReproductionContext& context);
+nlohmann::ordered_json reproduce_spongecake_figure_14(ReproductionContext& context);
+nlohmann::ordered_json reproduce_spongecake_figure_16(ReproductionContext& context);
 
 }  // namespace lamella

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
+#include "analytic/model/model.h"
 #include "compare/request/errors.h"
 #include "compare/request/first_look.h"
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/lobe_cells.h"
+#include "phase/surface/conductor.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
@@ -31,9 +34,51 @@ constexpr double kWalkSeconds = 60;
 // Incoming cosines between which solved modes are interpolated: less than a degree apart.
 constexpr int kSolvedCosines = 120;
 
-Rgb order_one(const Stack& stack, Direction wi, Direction wo) {
-  return closed_orders(stack, wi, wo).one;
+bool is_narrow(const Facets& f) {
+  return f.shape != FacetShape::smooth && std::max(f.alpha_x, f.alpha_y) < kLeastLobe;
 }
+
+const Conductor* conductor_of(const Stack& stack) {
+  return stack.substrate ? dynamic_cast<const Conductor*>(stack.substrate->law.get()) : nullptr;
+}
+
+bool has_narrow_lobes(const Stack& stack) {
+  const Conductor* metal = conductor_of(stack);
+  return (metal && is_narrow(metal->setting().facets)) ||
+         std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
+           return layer.interface && is_narrow(layer.interface->facets);
+         });
+}
+
+// The same with smooth surfaces for those whose lobes are too narrow to be drawn.
+Stack with_drawn_lobes(Stack stack) {
+  for (Layer& layer : stack.layers)
+    if (layer.interface && is_narrow(layer.interface->facets)) {
+      layer.interface->facets = {.shape = FacetShape::smooth};
+      layer.interface->multiple = false;
+    }
+  if (const Conductor* metal = conductor_of(stack); metal && is_narrow(metal->setting().facets)) {
+    Conductor::Setting setting = metal->setting();
+    setting.facets = {.shape = FacetShape::smooth};
+    setting.multiple = false;
+    stack.substrate->law = std::make_shared<Conductor>(setting);
+  }
+  return stack;
+}
+
+bool has_delta_flakes(const Stack& stack) {
+  return std::any_of(stack.layers.begin(), stack.layers.end(),
+                     [](const Layer& layer) { return !layer.interface && is_delta(layer.medium); });
+}
+
+bool has_reciprocal_substrate(const Stack& stack) {
+  if (!stack.substrate || stack.substrate->model.empty()) return true;
+  const ModelInfo* form = find_model(stack.substrate->model);
+  return !form || form->reciprocal;
+}
+
+// The error of an energy that is not at hand.
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 // Scales stand at this many places for every step between two nodes in mu_o.
 constexpr std::size_t kScalesPerNode = 8;
@@ -59,8 +104,24 @@ std::function<Rgb(Direction)> LobeTable::towards(Direction wo) const {
   const Rgb scale = (1 - x) * scales_[k] + x * scales_[k + 1];
   return [this, o, scale, rest = rest_.towards(o)](Direction wi) {
     const Direction i = raised_to(wi, Grid::kLeastMu);
-    return order_one(stack_, i, o) + scale * rest(i);
+    return closed(i, o) + scale * rest(i);
   };
+}
+
+Rgb LobeTable::closed(Direction wi, Direction wo) const {
+  switch (closed_) {
+    case Closed::order_one:
+      return closed_orders(stack_, wi, wo).one;
+    case Closed::zero:
+      return closed_orders(stack_, wi, wo).zero;
+    case Closed::nothing:
+      break;
+  }
+  return {};
+}
+
+Rgb LobeTable::specular(Direction wo) const {
+  return mirrored_share(stack_, raised_to(wo, Grid::kLeastMu));
 }
 
 std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const StopFlag* stop,
@@ -110,7 +171,7 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const
     energy.total = e.reflected[4] - e.specular_of[4];
     energy.direct = energy.total - (e.reflected[0] - e.specular_of[0]);
     for (int c = 0; c < 3; ++c) {
-      energy.direct_error[c] = reached * energy.direct[c];
+      energy.direct_error[c] = closed_ == Closed::order_one ? reached * energy.direct[c] : kUnknown;
       energy.total_error[c] = std::abs(e.sum()[c] - 1);
     }
     energies_.push_back(energy);
@@ -123,6 +184,10 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const
 
 void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
   const Plan plan = plan_of(request);
+  const bool boundaries = stack_.has_boundaries();
+  // Orders that the table holds.
+  const int first = closed_ == Closed::order_one ? 1 : 0;
+  const int end = closed_ == Closed::order_one || !boundaries ? kTallyOrders : kZeroSlot + 1;
   double mirrored_by_flakes = 0;
   FirstLook look(request, Grid::kOut, kWalkSeconds, kPreviewWalks);
   std::uint64_t fewest = request.effort.walks;
@@ -132,22 +197,26 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
     std::vector<Direction> points;
     for (int a = 0; a < Grid::kAlpha; ++a)
       for (int b = 0; b < Grid::kBeta; ++b) points.push_back(Grid::node_wi(mu, a, b));
-    Simulation simulation(request.stack, plan, direction_from_mu_phi(mu, 0), points, request.seed);
+    const Direction wo = direction_from_mu_phi(mu, 0);
+    Simulation simulation(request.stack, plan, wo, points, request.seed);
     run(simulation, look.next(), {}, stop);
     fewest = std::min(fewest, simulation.walks());
+    const Rgb mirrored = specular(wo);
     RestEnergy energy;
     for (int c = 0; c < 3; ++c) {
       const int channel = std::min(c, plan.channels - 1);
       for (std::size_t j = 0; j < points.size(); ++j) {
         const auto rest = [&](const BatchTally& b) {
           double sum = 0;
-          for (int order = 1; order < kTallyOrders; ++order)
+          for (int order = first; order < end; ++order)
             sum +=
                 b.f[static_cast<std::size_t>(order * plan.channels + channel) * points.size() + j];
           return sum;
         };
-        rest_.at(o, static_cast<int>(j) / Grid::kBeta, static_cast<int>(j) % Grid::kBeta)[c] =
-            batch_estimate(simulation.batches(), rest).value;
+        double& value =
+            rest_.at(o, static_cast<int>(j) / Grid::kBeta, static_cast<int>(j) % Grid::kBeta)[c];
+        value = batch_estimate(simulation.batches(), rest).value;
+        if (closed_ == Closed::zero) value -= closed(wo, points[j])[c];
       }
       const auto reflected = [&](int from) {
         return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
@@ -161,15 +230,16 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
       const Estimate total = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
         double sum = b.energy.thinned[channel];
         for (int order = 0; order < kTallyOrders; ++order) sum += b.energy.up[order][channel];
-        return sum;
+        return sum + b.energy.zero_up[channel];
       });
       const Estimate direct = reflected(1);
-      energy.total[c] = total.value;
+      energy.total[c] = total.value - mirrored[c];
       energy.total_error[c] = total.standard_error;
       energy.direct[c] = direct.value;
-      energy.direct_error[c] = direct.standard_error;
-      for (const BatchTally& b : simulation.batches())
-        mirrored_by_flakes += b.energy.specular_up[channel];
+      energy.direct_error[c] = boundaries ? kUnknown : direct.standard_error;
+      if (!boundaries || has_delta_flakes(stack_))
+        for (const BatchTally& b : simulation.batches())
+          mirrored_by_flakes += b.energy.specular_up[channel];
     }
     energies_.push_back(energy);
   }
@@ -196,13 +266,13 @@ void LobeTable::scale_to_energies() {
   const std::size_t count = kScalesPerNode * (Grid::kOut - 1) + 1;
   scales_.assign(count, Rgb(1));
   if (energies_.empty()) return;
-  std::vector<Rgb> first(count), shape(count);
+  std::vector<Rgb> first(count), shape(count), mirrored(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const double mu = Grid::node_mu(static_cast<double>(k) / kScalesPerNode);
     const Direction wo = direction_from_mu_phi(mu, 0);
     const auto raised = [](Direction wi) { return raised_to(wi, Grid::kLeastMu); };
-    first[k] =
-        lobe_cells([&](Direction wi) { return order_one(stack_, raised(wi), wo); }, mu).energy;
+    mirrored[k] = specular(wo);
+    first[k] = lobe_cells([&](Direction wi) { return closed(raised(wi), wo); }, mu).energy;
     shape[k] =
         lobe_cells([&, rest = rest_.towards(wo)](Direction wi) { return rest(raised(wi)); }, mu)
             .energy;
@@ -213,19 +283,20 @@ void LobeTable::scale_to_energies() {
     bool total_is_better = true;
     for (std::size_t o = 0; o < energies_.size(); ++o) {
       const RestEnergy& e = energies_[o];
-      const double order_one_energy = first[kScalesPerNode * o][c];
-      const bool better = e.total_error[c] + kLobeTolerance * order_one_energy < e.direct_error[c];
+      const double closed_energy = first[kScalesPerNode * o][c];
+      const bool better = e.total_error[c] + kLobeTolerance * closed_energy < e.direct_error[c];
       total_is_better = total_is_better && better;
-      rest.push_back(std::max(better ? e.total[c] - order_one_energy : e.direct[c], 0.0));
-      all.push_back(e.total[c]);
+      rest.push_back(std::max(better ? e.total[c] - closed_energy : e.direct[c], 0.0));
+      all.push_back(e.total[c] + mirrored[kScalesPerNode * o][c]);
     }
     for (std::size_t k = 0; k < count; ++k) {
       if (!(shape[k][c] > 0)) continue;
-      // Order 1 is known everywhere: where the energy of all orders is better known it is what is
-      // interpolated, so that a white half space stays white between the nodes.
+      // What is closed is known everywhere: where the energy of all orders is better known it is
+      // what is interpolated, so that a white half space stays white between the nodes.
       const double place = static_cast<double>(k) / kScalesPerNode;
-      const double wanted =
-          total_is_better ? interpolated(all, place) - first[k][c] : interpolated(rest, place);
+      const double wanted = total_is_better
+                                ? interpolated(all, place) - mirrored[k][c] - first[k][c]
+                                : interpolated(rest, place);
       scales_[k][c] = std::max(wanted, 0.0) / shape[k][c];
     }
   }
@@ -234,19 +305,25 @@ void LobeTable::scale_to_energies() {
 LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
                           const SolverReport& report) {
   LobeTable table;
-  table.stack_ = request.stack;
-  check_estimator(request, TruthAt::pairs);
-  // The lobe of a rough boundary is too narrow for a table, and order 1 is not closed behind it.
-  const bool solvable = !why_not_deterministic(request.stack) && is_first_closed(request.stack) &&
-                        request.given.empty();
+  TruthRequest drawn = request;
+  drawn.stack = with_drawn_lobes(request.stack);
+  const Stack& stack = table.stack_ = drawn.stack;
+  const SurfaceLaw* law = stack.substrate ? stack.substrate->law.get() : nullptr;
+  table.closed_ = !is_first_closed(stack)       ? Closed::zero
+                  : law && law->is_stochastic() ? Closed::nothing
+                                                : Closed::order_one;
+  check_estimator(drawn, TruthAt::pairs);
+  const bool solvable = !why_not_deterministic(stack) && request.given.empty();
   const bool must = request.estimator == Estimator::deterministic;
   std::optional<std::string> unsolved = "not tried";
   if (must || (solvable && !request.estimator)) {
-    unsolved = table.solve(request.stack, must, stop, report);
-    if (unsolved && must) refuse_answer(request.stack, *unsolved);
+    unsolved = table.solve(stack, must, stop, report);
+    if (unsolved && must) refuse_answer(stack, *unsolved);
   }
-  if (unsolved) table.walk(request, stop);
+  if (unsolved) table.walk(drawn, stop);
   table.scale_to_energies();
+  if (has_narrow_lobes(request.stack))
+    table.source_ += fmt::format("; roughness below {} drawn as smooth", kLeastLobe);
   return table;
 }
 
@@ -254,14 +331,14 @@ void check_preview(const std::string& what, const Stack& stack) {
   const char* found = !stack.is_symmetric_about_z() ? "a stack with a preferred azimuth"
                       : stack.grains()              ? "explicit geometry"
                       : stack.has_grid()            ? "a density grid"
-                      : stack.has_interfaces()      ? "interfaces"
-                      : stack.has_boundaries()      ? "a substrate beyond Lambert's law"
-                                                    : nullptr;
+                      : !has_reciprocal_substrate(stack)
+                          ? "a substrate whose closed form is not reciprocal"
+                          : nullptr;
   if (found)
-    throw UsageError(fmt::format(
-        "{} {}: found {}; allowed: homogeneous layers of one index, symmetric about z, over "
-        "Lambert's substrate or none",
-        what, stack.name, found));
+    throw UsageError(
+        fmt::format("{} {}: found {}; allowed: homogeneous layers and interfaces, symmetric about "
+                    "z, over none or a reciprocal substrate",
+                    what, stack.name, found));
 }
 
 }  // namespace lamella

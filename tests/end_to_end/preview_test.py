@@ -4,6 +4,9 @@ from lamella_program import WITH_CAIRO, ProgramTest
 
 QUIET = ["--size", "32", "--quiet"]
 SMALL = ["--size", "16"]
+SMOOTH = '[[layer]]\ninterface = "smooth"\nior = 1.5\n'
+ROUGH = '[[layer]]\ninterface = "ggx"\nior = 1.5\nroughness = 0.3\n'
+LAMBERT = '[substrate]\nbsdf = "lambert"\nalbedo = 0.8\n'
 
 
 class APreviewShowsStackAndModelsUnderLight(ProgramTest):
@@ -96,9 +99,63 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         self.assertIn("compare --preview", self.lamella("compare", "spongecake_window_shade", "--preview",
                                                         status=2).err)
 
+    def test_coats_are_drawn_with_their_mirror_images(self):
+        # Lambert's ground under a smooth coat, beside the closed form that is exact there.
+        self.write("coat.toml", SMOOTH + LAMBERT)
+        views = self.views("./coat.toml", "--model",
+                           "coated,roughness=0,layering=saunderson,base=lambert,base.albedo=0.8")
+        for view, means in views.items():
+            with self.subTest(view):
+                self.assertAlmostEqual(means["coated"] / means["truth"], 1, delta=2e-3)
+        # What a mirror shows of a lamp that faces it, F times the lamp's irradiance, is in the mean.
+        self.write("black.toml", SMOOTH + LAMBERT.replace("0.8", "0"))
+        answer = self.json_of("preview", "./black.toml", "--model", "lambert", "--light", "0", "--size", "512",
+                              "--quiet", "-o", "out")
+        # Mirrors send a lamp's light evenly everywhere: the radiance has the mean F / 4.
+        self.assertAlmostEqual(answer["views"][0]["pictures"][0]["mean_luminance"], 0.04 / 4, delta=0.04 / 4 * 0.03)
+
+    def test_white_stacks_under_coats_are_seen_as_1(self):
+        spheres = '[[layer]]\nmedium = "lambert_sphere"\nthickness = inf\n'
+        for name, text, by in (("smooth", SMOOTH + spheres, []),
+                               ("two", SMOOTH + SMOOTH.replace("1.5", "1.2") + spheres, []),
+                               ("smooth over white", SMOOTH + LAMBERT.replace("0.8", "1"), []),
+                               ("multiple", ROUGH + 'scattering = "multiple"\n' + LAMBERT.replace("0.8", "1"),
+                                ["--walks", "300"])):
+            self.write("white.toml", text)
+            means = self.views("./white.toml", "--model", "lambert,albedo=1", *by)
+            for scene in ("sphere", "plane"):
+                with self.subTest(name=name, scene=scene):
+                    self.assertAlmostEqual(means[scene, "environment"]["truth"], 1, delta=0.005)
+
+    def test_rough_coats_and_metals_are_drawn_by_solver_and_walks(self):
+        self.write("rough.toml", ROUGH + LAMBERT)
+        model = ["--model", "coated,roughness=0.3,layering=saunderson,base=lambert,base.albedo=0.8"]
+        solved = self.views("./rough.toml", *model)
+        walked = self.views("./rough.toml", *model, "--walks", "1000")
+        for view, means in solved.items():
+            with self.subTest(view):
+                self.assertAlmostEqual(means["coated"] / means["truth"], 1, delta=5e-3)
+                self.assertAlmostEqual(walked[view]["truth"] / means["truth"], 1, delta=0.03)
+        metal = self.views("rough_metal", "--model",
+                           "microfacet,distribution=ggx,roughness=0.3,eta=0.2,0.92,1.1,k=3.91,2.45,2.14")
+        for view, means in metal.items():
+            with self.subTest(view):
+                self.assertAlmostEqual(means["microfacet"] / means["truth"], 1, delta=2e-3)
+
+    def test_surfaces_too_smooth_for_a_lobe_are_drawn_as_smooth(self):
+        self.write("smooth.toml", SMOOTH + LAMBERT)
+        self.write("nearly.toml", ROUGH.replace("0.3", "0.001") + LAMBERT)
+        answer = self.json_of("preview", "./nearly.toml", "--model", "lambert", *QUIET, "-o", "nearly")
+        self.assertIn("drawn as smooth", answer["truth"])
+        nearly = [v["pictures"][0]["mean_luminance"] for v in answer["views"]]
+        smooth = [means["truth"] for means in self.views("./smooth.toml", "--model", "lambert").values()]
+        self.assertEqual(nearly, smooth)
+
     def test_what_cannot_be_drawn_is_refused(self):
+        self.write("unequal.toml", SMOOTH + '[substrate]\nbsdf = "openpbr_diffuse"\n')
         for arguments, part in ((["spongecake_window_shade"], "symmetric"),
                                 (["sphere_bed_dense"], "explicit geometry"),
+                                (["./unequal.toml"], "not reciprocal"),
                                 (["sggx_slab", "--light", "200"], "--light"),
                                 (["sggx_slab", "--size", "4"], "16 to 2048")):
             with self.subTest(arguments):

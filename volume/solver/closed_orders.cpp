@@ -44,8 +44,10 @@ struct Beam {
   std::vector<double> rate_down, rate_up;  // by element: optical depth per depth
 };
 
-// reversed: light that leaves along w, run backwards.
-Beam beam_of(const std::vector<Element>& elements, Direction w, bool reversed) {
+// reversed: light that leaves along w, run backwards. ground(mu): what the substrate mirrors.
+template <class Ground>
+Beam beam_of(const std::vector<Element>& elements, Direction w, bool reversed,
+             const Ground& ground) {
   const std::size_t n = elements.size();
   const double top = n == 0 ? 1 : elements.front().above,
                bottom = n == 0 ? 1 : elements.back().below;
@@ -87,6 +89,7 @@ Beam beam_of(const std::vector<Element>& elements, Direction w, bool reversed) {
     const double twice = c.down * c.up * beyond[far];
     beyond[near] = c.reflected + (twice == 0 ? 0 : twice / (1 - c.reflected * beyond[far]));
   };
+  if (from_above) beyond[n] = ground(beam.mu[n]);
   if (from_above)
     for (std::size_t e = n; e-- > 0;) step(e);
   else
@@ -106,6 +109,10 @@ Beam beam_of(const std::vector<Element>& elements, Direction w, bool reversed) {
     for (std::size_t e = n; e-- > 0;) follow(e);
   for (std::size_t p = 0; p <= n; ++p) back[p] = beyond[p] * on[p];
   return beam;
+}
+
+Beam beam_of(const std::vector<Element>& elements, Direction w, bool reversed) {
+  return beam_of(elements, w, reversed, [](double) { return 0.0; });
 }
 
 // w within a medium: refracted, going up or down.
@@ -194,6 +201,25 @@ double zero_at_rough(const Stack& stack, Direction wi, Direction wo) {
 }
 
 }  // namespace
+
+Rgb mirrored_share(const Stack& stack, Direction wi) {
+  if (!stack.has_boundaries()) return {};
+  wi = with_grazing_limit(wi);
+  const std::vector<Element> elements = elements_of(stack);
+  const SurfaceLaw* law = stack.substrate ? stack.substrate->law.get() : nullptr;
+  if (law && !law->is_delta()) law = nullptr;
+  Rgb share;
+  for (int c = 0; c < 3; ++c) {
+    const auto ground = [&](double mu) {
+      if (!law || !(mu > 0)) return 0.0;
+      RandomStream unused(0, 0, StreamPurpose::walk);
+      const auto sample = law->sample({std::sqrt((1 - mu) * (1 + mu)), 0, mu}, unused);
+      return sample ? sample->weight[c] : 0.0;
+    };
+    share[c] = beam_of(elements, wi, false, ground).up.front();
+  }
+  return share;
+}
 
 bool is_first_closed(const Stack& stack) { return !stack.has_rough_interfaces(); }
 

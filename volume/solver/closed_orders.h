@@ -22,4 +22,9 @@ struct ClosedOrders {
 /// single_scattering.
 [[nodiscard]] ClosedOrders closed_orders(const Stack& stack, Direction wi, Direction wo);
 
+/// The share of light from w_i, above, that leaves along its mirror image as a delta: it has met
+/// smooth boundaries and a smooth conductor alone, and no scatterer (delta flakes apart). 0 without
+/// boundaries.
+[[nodiscard]] Rgb mirrored_share(const Stack& stack, Direction wi);
+
 }  // namespace lamella

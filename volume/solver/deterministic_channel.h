@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -51,6 +53,15 @@ struct DeterministicField::Channel {
   Parts second_count, second_error, second_left;
 
   [[nodiscard]] int part(std::size_t i, std::size_t o) const;
+  /// What a pair's errors are relative to, see DeterministicField::scale; of a mean below 0, its
+  /// size.
+  [[nodiscard]] double scale(int part, Eigen::Index row, Eigen::Index column) const {
+    return std::max(std::abs(mean[part](row, column)), faint[part]);
+  }
+  /// How far a mean is below 0, where no light is: that much at least it is wrong by.
+  [[nodiscard]] double below_zero(int part, Eigen::Index row, Eigen::Index column) const {
+    return std::max(0.0, -mean[part](row, column));
+  }
   /// What the modes of a pair leave to those beyond, by how they fall.
   struct Tails {
     ModeTail second, third, others;

@@ -131,9 +131,9 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       now = next;
     }
     Sums& sum = sums[k];
-    const double scale = std::max(c.mean[part](row, column), c.faint[part]);
+    const double scale = c.scale(part, row, column);
     const auto [second_tail, third_tail, other_tail] = c.tails(part, row, column);
-    sum.error = error_ * scale + other_tail.error;
+    sum.error = error_ * scale + c.below_zero(part, row, column) + other_tail.error;
     const bool integrated = c.has_integrated_modes();
     const double left_out =
         integrated      ? c.second_error[part](row, column) + c.second_left[part](row, column)
@@ -177,10 +177,11 @@ double DeterministicField::error_of_mean(int channel, std::size_t i, std::size_t
   const Channel& c = *channels_[channel_of_[channel]];
   const int part = c.part(i, o);
   const Index row = static_cast<Index>(c.out.place[o]), column = static_cast<Index>(c.in.place[i]);
-  const double scale = std::max(c.mean[part](row, column), c.faint[part]);
+  const double scale = c.scale(part, row, column);
   const auto [second, third, others] = c.tails(part, row, column);
   const double solved = share_in_mean(static_cast<double>(c.modes.size()), width);
-  double error = error_ * scale + solved * (whole(third) + others.error);
+  double error =
+      error_ * scale + c.below_zero(part, row, column) + solved * (whole(third) + others.error);
   if (c.has_integrated_modes())
     error +=
         c.second_error[part](row, column) +
@@ -203,7 +204,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
   field.mu_i_.assign(mu_i.begin(), mu_i.end());
   field.mu_o_.assign(mu_o.begin(), mu_o.end());
   field.tolerance_ = tolerance_;
-  field.error_ = accuracy_.node_error;
+  field.error_ = std::max(accuracy_.node_error, accuracy_.energy_defect);
   field.second_error_ = accuracy_.second_error;
   field.is_first_closed_ = is_first_closed(stack_);
   const OuterIndices outer(stack_);

@@ -81,7 +81,7 @@ double energy_defect(const AskedMode& mean, bool below) {
       const double mirrored = side.mirrored[0].size() > 0 ? side.mirrored[0][j] : 0;
       defect = larger_error(defect, std::abs(reflected + transmitted + absorbed + side.direct[j] +
                                              mirrored + side.lost[j] - 1));
-      for (const double energy : {reflected, transmitted, absorbed})
+      for (const double energy : {reflected, transmitted, absorbed, side.lost[j]})
         defect = larger_error(defect, -energy);
     }
   }
@@ -278,7 +278,10 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                                              [](const Layer& l) { return is_steep(l.medium); });
   const OuterIndices outer(stack);
   const int parts = stack.is_open_below() ? 4 : 1;
-  const std::vector<AskedCosine> probes_in = probes(kProbesIn, outer, parts > 1),
+  // Narrow lobes of rough interfaces are missed by the nodes about the normal first.
+  std::vector<double> cosines_in = kProbesIn;
+  if (stack.has_rough_interfaces()) cosines_in.push_back(1);
+  const std::vector<AskedCosine> probes_in = probes(cosines_in, outer, parts > 1),
                                  probes_out = probes(kProbesOut, outer, parts > 1);
   for (int c = 0; c < 3; ++c) {
     int same = 0;
