@@ -52,7 +52,7 @@ std::map<std::string, LobeTime> times_to_target(const Stack& stack, Estimator es
 }
 
 // All lobes at once, by the solver.
-void measure_solver(const char* name, const Stack& stack, const ReportRow& report) {
+void measure_solver(const char* name, const Stack& stack, Isa isa, const ReportRow& report) {
   const Plan plan = make_plan(stack);
   const Direction incident[] = {benchmark_incident()};
   for (const Target& target : kTargets) {
@@ -60,8 +60,8 @@ void measure_solver(const char* name, const Stack& stack, const ReportRow& repor
                      .kind = "deterministic"};
     DeterministicAccuracy accuracy;
     row.seconds = seconds_of([&] {
-      const auto solution =
-          solve_deterministic(stack, {.tolerance = target.error / 2, .max_seconds = 15});
+      const auto solution = solve_deterministic(
+          stack, {.tolerance = target.error / 2, .max_seconds = 15, .isa = isa});
       accuracy =
           *deterministic_runs(solution, plan, incident, CellGrid{}, target.error)[0].accuracy;
     });
@@ -107,7 +107,7 @@ void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const R
         }
       }
     }
-    one.execute([&] { measure_solver(name, stack, report); });
+    one.execute([&] { measure_solver(name, stack, effort.isa, report); });
   }
 }
 

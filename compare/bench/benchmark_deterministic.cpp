@@ -52,16 +52,16 @@ BenchmarkRow row_of(std::string what, double seconds, const DeterministicAccurac
 }
 
 // Seconds against digits reached, per medium.
-void measure_digits(bool quick, double seconds_allowed, const ReportRow& report) {
+void measure_digits(bool quick, double seconds_allowed, Isa isa, const ReportRow& report) {
   for (const SolvedStack& solved : solved_stacks())
     for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
       if (quick && tolerance < 1e-4) continue;
       const Stack stack = stack_of(solved);
       DeterministicAccuracy accuracy;
       const double seconds = seconds_of([&] {
-        accuracy =
-            solve_deterministic(stack, {.tolerance = tolerance, .max_seconds = seconds_allowed})
-                .accuracy();
+        accuracy = solve_deterministic(
+                       stack, {.tolerance = tolerance, .max_seconds = seconds_allowed, .isa = isa})
+                       .accuracy();
       });
       report(row_of(fmt::format("{}/solve/{:.0e}", solved.name, tolerance), seconds, accuracy));
     }
@@ -69,7 +69,7 @@ void measure_digits(bool quick, double seconds_allowed, const ReportRow& report)
 
 // All cells of a 32 x 32 grid for eight incident directions to 1e-6, beside the time that walks
 // would need for the same error, from their time x variance.
-void measure_cells(bool quick, std::uint64_t seed, const ReportRow& report) {
+void measure_cells(bool quick, std::uint64_t seed, Isa isa, const ReportRow& report) {
   constexpr double kTolerance = 1e-6;
   const Stack stack = stack_of(solved_stacks().front());
   const Plan plan = make_plan(stack);
@@ -78,8 +78,8 @@ void measure_cells(bool quick, std::uint64_t seed, const ReportRow& report) {
   for (int k = 0; k < 8; ++k) incident.push_back(direction_from_degrees(10.0 * k, 0));
   std::vector<RunResult> runs;
   const double seconds = seconds_of([&] {
-    runs = deterministic_runs(solve_deterministic(stack, {.tolerance = kTolerance / 2}), plan,
-                              incident, grid, kTolerance);
+    runs = deterministic_runs(solve_deterministic(stack, {.tolerance = kTolerance / 2, .isa = isa}),
+                              plan, incident, grid, kTolerance);
   });
   double worst = 0;
   for (const RunResult& run : runs) worst = std::max(worst, run.accuracy->error);
@@ -105,15 +105,17 @@ void measure_cells(bool quick, std::uint64_t seed, const ReportRow& report) {
 
 // How the cost of one solution grows: seconds at the largest size, and the exponent from half of
 // it.
-void measure_growth(bool quick, const ReportRow& report) {
+void measure_growth(bool quick, Isa isa, const ReportRow& report) {
   const Stack stack = stack_of(solved_stacks()[2]);
-  const auto solve = [](const Stack& s, int nodes, int modes, DeterministicAccuracy& accuracy) {
+  const auto solve = [isa](const Stack& s, int nodes, int modes, DeterministicAccuracy& accuracy) {
     // A tolerance that no series of modes ends at.
     return seconds_of([&] {
-      accuracy =
-          solve_deterministic(
-              s, {.tolerance = 1e-30, .min_nodes = nodes, .max_nodes = nodes, .max_modes = modes})
-              .accuracy();
+      accuracy = solve_deterministic(s, {.tolerance = 1e-30,
+                                         .min_nodes = nodes,
+                                         .max_nodes = nodes,
+                                         .max_modes = modes,
+                                         .isa = isa})
+                     .accuracy();
     });
   };
   const auto grow = [&](const std::string& what, int from, int to, const auto& seconds_at) {
@@ -150,9 +152,9 @@ void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
   const bool quick = effort.repetition_seconds < 0.05;
   tbb::task_arena one(1);
   one.execute([&] {
-    measure_digits(quick, effort.solver_seconds, report);
-    measure_cells(quick, seed, report);
-    measure_growth(quick, report);
+    measure_digits(quick, effort.solver_seconds, effort.isa, report);
+    measure_cells(quick, seed, effort.isa, report);
+    measure_growth(quick, effort.isa, report);
   });
 }
 

@@ -61,19 +61,19 @@ void measure_estimator(const Stack& stack, Isa isa, Estimator estimator, double 
   }
 }
 
-RunResult solved(const Stack& stack, double tolerance, double seconds) {
+RunResult solved(const Stack& stack, double tolerance, double seconds, Isa isa) {
   const Direction incident[] = {benchmark_incident()};
-  const DeterministicSolution solution =
-      solve_deterministic(stack, {.tolerance = kSolverShare * tolerance, .max_seconds = seconds});
+  const DeterministicSolution solution = solve_deterministic(
+      stack, {.tolerance = kSolverShare * tolerance, .max_seconds = seconds, .isa = isa});
   return deterministic_runs(solution, make_plan(stack), incident, CellGrid{}, tolerance).front();
 }
 
 // The solver at ever smaller tolerances. Its error is a bound: the truth is within it.
-void measure_solver(const Stack& stack, double seconds, const ReportRow& report) {
+void measure_solver(const Stack& stack, double seconds, Isa isa, const ReportRow& report) {
   if (why_not_deterministic(stack)) return;
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
     RunResult run;
-    const double taken = seconds_of([&] { run = solved(stack, tolerance, seconds); });
+    const double taken = seconds_of([&] { run = solved(stack, tolerance, seconds, isa); });
     const double error = noise_of(run.reflected.lobes[kTallyOrders]);
     if (error == 0) continue;
     BenchmarkRow row = row_of(stack.name, to_text(Estimator::deterministic), "deterministic",
@@ -98,7 +98,7 @@ Truth truth_of(const Stack& stack, const BenchmarkEffort& effort, std::uint64_t 
   plan.isa = effort.isa;
   Truth truth;
   if (!why_not_deterministic(stack)) {
-    truth.run = solved(stack, kTruthTolerance, kTruthFactor * effort.accuracy_seconds);
+    truth.run = solved(stack, kTruthTolerance, kTruthFactor * effort.accuracy_seconds, effort.isa);
     if (truth.run.accuracy->reached) return truth;
   }
   truth.batches = std::make_unique<Simulation>(stack, plan, benchmark_incident(), Estimator::analog,
@@ -166,7 +166,7 @@ void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const R
     one.execute([&] {
       for (const Estimator estimator : {Estimator::analog, Estimator::next_event})
         measure_estimator(stack, effort.isa, estimator, effort.accuracy_seconds, seed, report);
-      measure_solver(stack, kTruthFactor * effort.accuracy_seconds, report);
+      measure_solver(stack, kTruthFactor * effort.accuracy_seconds, effort.isa, report);
       measure_closed_forms(stack, effort, seed, report);
     });
   }

@@ -63,8 +63,10 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
   check_estimator(request, at);
   if (request.estimator && at == TruthAt::cells && !stack.is_symmetric_about_z())
     return {Estimator::deterministic, "asked for", nullptr};
-  DeterministicOptions solver{
-      .tolerance = kSolverShare * request.tolerance, .stop = stop, .report = report};
+  DeterministicOptions solver{.tolerance = kSolverShare * request.tolerance,
+                              .isa = request.isa,
+                              .stop = stop,
+                              .report = report};
   if (request.estimator == Estimator::deterministic) {
     solver.max_seconds = request.effort.seconds.value_or(kSeconds);
     end_where_it_ended(solver, request);
@@ -147,6 +149,7 @@ std::shared_ptr<const DeterministicSolution> refined(const TruthRequest& request
                                                      const SolverReport& report) {
   DeterministicOptions solver{.tolerance = kRefinedShare * request.tolerance,
                               .max_seconds = request.effort.seconds.value_or(kSeconds),
+                              .isa = request.isa,
                               .stop = stop,
                               .report = report};
   end_where_it_ended(solver, request);

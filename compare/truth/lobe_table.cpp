@@ -124,9 +124,10 @@ Rgb LobeTable::specular(Direction wo) const {
   return mirrored_share(stack_, raised_to(wo, Grid::kLeastMu));
 }
 
-std::optional<std::string> LobeTable::solve(const Stack& stack, bool must, const StopFlag* stop,
-                                            const SolverReport& report) {
+std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool must,
+                                            const StopFlag* stop, const SolverReport& report) {
   DeterministicOptions options;
+  options.isa = isa;
   options.tolerance = kTolerance;
   options.stop = stop;
   options.report = report;
@@ -317,7 +318,7 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
   const bool must = request.estimator == Estimator::deterministic;
   std::optional<std::string> unsolved = "not tried";
   if (must || (solvable && !request.estimator)) {
-    unsolved = table.solve(stack, must, stop, report);
+    unsolved = table.solve(stack, request.isa, must, stop, report);
     if (unsolved && must) refuse_answer(stack, *unsolved);
   }
   if (unsolved) table.walk(drawn, stop);

@@ -66,7 +66,7 @@ class LobeTable {
   };
   [[nodiscard]] Rgb closed(Direction wi, Direction wo) const;
   // Why the solver has no answer, if it has none, or one that is not near enough and no `must`.
-  std::optional<std::string> solve(const Stack& stack, bool must, const StopFlag* stop,
+  std::optional<std::string> solve(const Stack& stack, Isa isa, bool must, const StopFlag* stop,
                                    const SolverReport& report);
   void walk(const TruthRequest& request, const StopFlag* stop);
   void scale_to_energies();

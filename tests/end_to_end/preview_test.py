@@ -107,9 +107,11 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         for view, means in views.items():
             with self.subTest(view):
                 self.assertAlmostEqual(means["coated"] / means["truth"], 1, delta=2e-3)
-        # What a mirror shows of a lamp that faces it, F times the lamp's irradiance, is in the mean.
+        # What a mirror shows of a lamp that faces it, F times the lamp's irradiance, is in the
+        # mean.
         self.write("black.toml", SMOOTH + LAMBERT.replace("0.8", "0"))
-        answer = self.json_of("preview", "./black.toml", "--model", "lambert", "--light", "0", "--size", "512",
+        answer = self.json_of("preview", "./black.toml", "--model", "lambert", "--light", "0",
+                              "--size", "512",
                               "--quiet", "-o", "out")
         # Mirrors send a lamp's light evenly everywhere: the radiance has the mean F / 4.
         self.assertAlmostEqual(answer["views"][0]["pictures"][0]["mean_luminance"], 0.04 / 4, delta=0.04 / 4 * 0.03)

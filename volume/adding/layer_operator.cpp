@@ -44,10 +44,15 @@ MatrixXd solve_without_subtraction(const MatrixXd& product, const RowVectorXd& d
 }
 
 // left[:, nodes] flux right[nodes, :]: light that crosses a plane between two events.
-MatrixXd chain(const MatrixXd& left, const MatrixXd& right, const VectorXd& flux) {
-  const Index n = flux.size();
-  return left.leftCols(n) * (flux.asDiagonal() * right.topRows(n));
-}
+struct Chain {
+  const VectorXd& flux;
+  const MatrixProduct& product;
+
+  MatrixXd operator()(const Eigen::Ref<const MatrixXd>& left, const MatrixXd& right) const {
+    const Index n = flux.size();
+    return product(left.leftCols(n), flux.asDiagonal() * right.topRows(n));
+  }
+};
 
 // Share of each node's irradiance that a pile does not reflect: transmitted or absorbed.
 RowVectorXd not_reflected(const OperatorSide& side, const VectorXd& flux) {
@@ -64,16 +69,18 @@ OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_
                        const OperatorSide& far_front, const OperatorRules& rules) {
   const Index n = rules.sets.nodes();
   const VectorXd& flux = rules.sets.flux;
+  const Chain chain{flux, rules.product};
   const auto beam = near_front.direct_in.asDiagonal();
 
   // Between the two: `onward` goes towards far, `back` comes from it. In irradiance
   // onward = source + (flux R_near) (flux R_far) onward.
   Series onward, back;
   back[0] = far_front.r[0] * beam;
-  const MatrixXd source = flux.asDiagonal() * (near_front.t[0].topRows(n) +
-                                               chain(near_back.r[0].topRows(n), back[0], flux));
+  const MatrixXd source =
+      flux.asDiagonal() * (near_front.t[0].topRows(n) + chain(near_back.r[0].topRows(n), back[0]));
   const MatrixXd far_r = flux.asDiagonal() * far_front.r[0].topLeftCorner(n, n);
-  const MatrixXd turn = flux.asDiagonal() * near_back.r[0].topLeftCorner(n, n) * far_r;
+  const MatrixXd turn =
+      rules.product(flux.asDiagonal() * near_back.r[0].topLeftCorner(n, n), far_r);
   MatrixXd crossing;
   if (rules.mode == 0) {
     const RowVectorXd defect =
@@ -83,14 +90,14 @@ OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_
     crossing = (MatrixXd::Identity(n, n) - turn).partialPivLu().solve(source);
   }
   crossing = flux.cwiseInverse().asDiagonal() * crossing;
-  back[0] += chain(far_front.r[0], crossing, flux);
-  onward[0] = near_front.t[0] + chain(near_back.r[0], back[0], flux);
+  back[0] += chain(far_front.r[0], crossing);
+  onward[0] = near_front.t[0] + chain(near_back.r[0], back[0]);
   for (int k = 1; k <= rules.orders; ++k) {
     onward[k] = near_front.t[k];
     back[k] = far_front.r[k] * beam;
     for (int l = 1; l < k; ++l) {
-      onward[k] += chain(near_back.r[l], back[k - l], flux);
-      back[k] += chain(far_front.r[l], onward[k - l], flux);
+      onward[k] += chain(near_back.r[l], back[k - l]);
+      back[k] += chain(far_front.r[l], onward[k - l]);
     }
   }
 
@@ -100,8 +107,8 @@ OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_
     result.t[k] = far_front.direct_out.asDiagonal() * onward[k] + far_front.t[k] * beam;
     for (int l = k == 0 ? 0 : 1; l < std::max(k, 1); ++l) {
       const int m = k == 0 ? 0 : k - l;
-      result.r[k] += chain(near_back.t[l], back[m], flux);
-      result.t[k] += chain(far_front.t[l], onward[m], flux);
+      result.r[k] += chain(near_back.t[l], back[m]);
+      result.t[k] += chain(far_front.t[l], onward[m]);
     }
   }
   result.direct_in = near_front.direct_in.cwiseProduct(far_front.direct_in);

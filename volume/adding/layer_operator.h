@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "volume/algebra/matrix_product.h"
 #include "volume/kernel/layer_scattering.h"
 
 namespace lamella {
@@ -31,6 +32,7 @@ struct OperatorRules {
   const DirectionSets& sets;
   int mode = 0;
   int orders = 3;  ///< 1, 2, ... of the orders 1 to 3 that are followed
+  MatrixProduct product{};
 };
 
 /// One side of `near` over `far`: light that arrives at the front of `near`, whose back faces the

@@ -26,8 +26,8 @@ std::vector<double> indices_of(const Stack& stack) {
 
 PileModes::PileModes(const Stack& stack, int channel, int nodes,
                      std::span<const AskedCosine> asked_out, std::span<const AskedCosine> asked_in,
-                     int orders)
-    : stack_(stack), channel_(channel), orders_(orders) {
+                     int orders, Isa isa)
+    : stack_(stack), channel_(channel), orders_(orders), isa_(isa) {
   const RefractiveNodes refractive{indices_of(stack), nodes, grazing_map(stack)};
   for (const double index : refractive.indices)
     sets_.emplace_back(refractive, index, asked_out, asked_in);
@@ -120,9 +120,9 @@ PileOperator PileModes::pile(int m) const {
   std::vector<PileOperator> solved;
   for (const Slab& slab : slabs_) {
     const Kind& kind = kinds_[slab.kind];
-    solved.push_back(
-        pile_of(homogeneous_layer(*kind.scattering, slab.depth, {*kind.sets, m, orders_}),
-                *kind.scattering, slab.depth, *kind.sets));
+    solved.push_back(pile_of(homogeneous_layer(*kind.scattering, slab.depth,
+                                               {*kind.sets, m, orders_, MatrixProduct(isa_)}),
+                             *kind.scattering, slab.depth, *kind.sets));
     solved.back().is_open = !std::isinf(slab.depth);
   }
   const auto made = [&](const Element& e) { return e.slab ? solved[*e.slab] : element(e, m); };

@@ -17,7 +17,7 @@ class PileModes : public StackSolver {
   /// asked: cosines above the stack and below it, each with the index of its medium. orders: how
   /// many of the orders 1 to 3 to keep apart.
   PileModes(const Stack& stack, int channel, int nodes, std::span<const AskedCosine> asked_out,
-            std::span<const AskedCosine> asked_in, int orders);
+            std::span<const AskedCosine> asked_in, int orders, Isa isa);
 
   void prepare(int modes) override;
   bool prepare_more(std::size_t max_bytes) override;
@@ -53,6 +53,7 @@ class PileModes : public StackSolver {
 
   const Stack& stack_;
   int channel_, orders_;
+  Isa isa_;
   int ready_ = 0;
   std::deque<DirectionSets> sets_;  // by index of refraction
   const DirectionSets *top_, *bottom_;

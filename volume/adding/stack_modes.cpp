@@ -14,8 +14,8 @@ GrazingMap grazing_map(const Stack& stack) {
   return {};
 }
 
-StackModes::StackModes(const Stack& stack, int channel, DirectionSets sets, int orders)
-    : stack_(stack), channel_(channel), sets_(std::move(sets)), orders_(orders) {
+StackModes::StackModes(const Stack& stack, int channel, DirectionSets sets, int orders, Isa isa)
+    : stack_(stack), channel_(channel), sets_(std::move(sets)), orders_(orders), isa_(isa) {
   for (const Layer& layer : stack.layers) {
     const auto kind = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) {
       return k.layer->albedo[channel] == layer.albedo[channel] &&
@@ -59,7 +59,7 @@ void StackModes::make_kernels(int modes) {
 }
 
 LayerOperator StackModes::mode(int m) const {
-  const OperatorRules rules{sets_, m, orders_};
+  const OperatorRules rules{sets_, m, orders_, MatrixProduct(isa_)};
   std::vector<LayerOperator> solved;
   for (const Slab& slab : slabs_)
     solved.push_back(homogeneous_layer(kinds_[slab.kind].scattering[0], slab.depth, rules));

@@ -15,8 +15,8 @@ namespace lamella {
 /// layers are solved once.
 class StackModes : public StackSolver {
  public:
-  /// orders: how many of the orders 1 to 3 to keep apart.
-  StackModes(const Stack& stack, int channel, DirectionSets sets, int orders);
+  /// orders: how many of the orders 1 to 3 to keep apart. isa: of products of matrices.
+  StackModes(const Stack& stack, int channel, DirectionSets sets, int orders, Isa isa);
 
   void prepare(int modes) override;
   bool prepare_more(std::size_t max_bytes) override;
@@ -47,6 +47,7 @@ class StackModes : public StackSolver {
   int channel_;
   DirectionSets sets_;
   int orders_;
+  Isa isa_;
   int ready_ = 0;  // modes that the kernels hold
   std::vector<Kind> kinds_;
   std::vector<Slab> slabs_;          // distinct pairs of kind and depth

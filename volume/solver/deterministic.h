@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "phase/lanes/isa.h"
 #include "phase/stack/stack.h"
 #include "volume/result/accuracy.h"
 
@@ -38,6 +39,7 @@ struct DeterministicOptions {
   double max_seconds = 60;  ///< a finer solution is not begun where it would end later, and is cut
                             ///< short at twice that
   std::size_t max_bytes = std::size_t{1} << 30;  ///< of the kernels' tables
+  Isa isa = Isa::scalar;  ///< of products of matrices: the last digits depend on it
   const std::atomic<bool>* stop = nullptr;  ///< once set, refinement ends with what was reached
   SolverReport report{};
 };
@@ -147,6 +149,7 @@ class DeterministicSolution {
   Stack stack_;
   DeterministicAccuracy accuracy_;
   double tolerance_ = 0;
+  Isa isa_ = Isa::scalar;
   bool steep_ = false;
   std::vector<int> channels_;                     // distinct ones
   std::array<int, 3> channel_of_{};               // index into channels_

@@ -225,7 +225,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
     for (const double m : mu_i) channel->sign_in.push_back(m < 0 ? -1 : 1);
     for (const double m : mu_o) channel->sign_out.push_back(m < 0 ? -1 : 1);
     const std::unique_ptr<StackSolver> solver = make_stack_solver(
-        stack_, channels_[k], accuracy_.nodes, channel->out.asked, channel->in.asked, 3);
+        stack_, channels_[k], accuracy_.nodes, channel->out.asked, channel->in.asked, 3, isa_);
     std::optional<SecondSplit> split;
     if (steep_) {
       channel->second.emplace(stack_, channels_[k]);
@@ -289,7 +289,7 @@ std::vector<DeterministicEnergies> DeterministicSolution::energies(
   const Cosines in(mu_i, OuterIndices(stack_));
   for (std::size_t k = 0; k < channels_.size(); ++k) {
     const std::unique_ptr<StackSolver> solver =
-        make_stack_solver(stack_, channels_[k], accuracy_.nodes, {}, in.asked, 3);
+        make_stack_solver(stack_, channels_[k], accuracy_.nodes, {}, in.asked, 3, isa_);
     solver->prepare(1);
     const AskedMode mode = solver->asked_mode(0);
     for (std::size_t i = 0; i < mu_i.size(); ++i) {

@@ -272,6 +272,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   DeterministicSolution solution;
   solution.stack_ = stack;
   solution.tolerance_ = options.tolerance;
+  solution.isa_ = options.isa;
   // Order 2 in closed form knows no boundaries.
   solution.steep_ =
       !stack.has_boundaries() && std::any_of(stack.layers.begin(), stack.layers.end(),
@@ -304,8 +305,8 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
     DeterministicLimit ended = DeterministicLimit::none;
     for (std::size_t k = 0; k < channels; ++k) {
       const int channel = solution.channels_[k];
-      const std::unique_ptr<StackSolver> modes =
-          make_stack_solver(stack, channel, nodes, probes_out, probes_in, solution.steep_ ? 2 : 1);
+      const std::unique_ptr<StackSolver> modes = make_stack_solver(
+          stack, channel, nodes, probes_out, probes_in, solution.steep_ ? 2 : 1, options.isa);
       std::optional<SecondSplit> split;
       if (solution.steep_)
         split.emplace(stack, channel,
