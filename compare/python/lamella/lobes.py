@@ -29,10 +29,12 @@ class Energies(Mapping):
     def __init__(self, listed: list[tuple[str, str, Any, Any]], errors: bool = False) -> None:
         self._listed = listed
         self._errors = errors
-        at = 3 if errors else 2
-        self._arrays: dict[Any, FloatArray] = {
-            (item[0], item[1]) if item[0] else item[1]: item[at] for item in listed
-            if item[at] is not None}
+        self._arrays: dict[Any, FloatArray] = {}
+        for item in listed:
+            key: Any = (item[0], item[1]) if item[0] else item[1]
+            array: Any = item[3] if errors else item[2]
+            if array is not None:
+                self._arrays[key] = array
 
     @property
     def standard_error(self) -> "Energies":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from typing import Any, Iterable, Optional, Union
+from typing import Any, Iterable, Optional, Union, cast
 
 from . import _core
 from .directions import incident, keywords
@@ -107,7 +107,7 @@ def compare(stack: Union[Stack, Model, str], models: Union[ModelLike, Iterable[M
         if not judged:
             raise ValueError("models: found none; allowed: one or more, as nothing says which "
                              "apply to a measured material")
-        measured = stack if isinstance(stack, Model) else Model(stack)
+        measured = stack if isinstance(stack, Model) else Model(cast(str, stack))
         report, warnings = _core.compare_measured(measured._core, judged, given, shown(progress))
     else:
         report, warnings = _core.compare(as_stack(stack)._core, judged, given, shown(progress))
