@@ -19,6 +19,8 @@ inline constexpr int kDone = 0, kFailed = 1, kUsage = 2, kInvalidNumbers = 3;
 int simulate_command(const Options& options);
 /// `pictures`, here and below: names of their formats; none: PNG where this build has Cairo.
 int compare_command(const Options& options, const std::vector<std::string>& pictures);
+/// The same where the truth is a measured material, a file that is_measured_file names.
+int compare_measured_command(const Options& options, const std::vector<std::string>& pictures);
 int furnace_command(const Options& options);
 
 /// The answer of a command, and the exit status that goes with it.
@@ -43,6 +45,10 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
 int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);
+/// `format`: mitsuba, pbrt, merl, npz or csv; `size`: small, medium or large, of tensor files.
+int export_command(const Options& options, const std::string& format, const std::string& size);
+/// Measured materials of other programs' formats as lobes.
+int import_command(const Options& options);
 int explain_command(const Options& options);
 /// The names that a command of lists (models, media, stacks) can show one by one; else none.
 [[nodiscard]] std::vector<std::string> listed_names(const std::string& command);

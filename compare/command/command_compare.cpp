@@ -4,6 +4,7 @@
 
 #include "compare/command/command.h"
 #include "compare/command/picture_options.h"
+#include "compare/exchange/measured_comparison.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
@@ -54,6 +55,7 @@ CommandAnswer compare_answer(const Options& options, const Stack& stack,
 }
 
 int compare_command(const Options& options, const std::vector<std::string>& pictures) {
+  if (is_measured_file(options.stack)) return compare_measured_command(options, pictures);
   const TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
   const std::vector<PictureFormat> formats = picture_formats_of(pictures);

@@ -12,20 +12,15 @@
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
 #include "compare/fit/fitted_models.h"
-#include "compare/judge/missing_light.h"
+#include "compare/judge/pair_truth.h"
 #include "compare/options/progress.h"
 #include "compare/request/direction_pairs.h"
 #include "compare/request/errors.h"
-#include "compare/request/first_look.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/numbers.h"
-#include "compare/request/percent.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/truth_request.h"
-#include "compare/truth/estimator_choice.h"
-#include "compare/truth/point_truth.h"
-#include "phase/math/larger_error.h"
 #include "phase/medium/media.h"
 #include "phase/stack/builtin_stacks.h"
 
@@ -33,8 +28,6 @@ namespace lamella {
 namespace {
 
 const std::string kStdin = "<stdin>";
-// Share of the light that cut walks may hold without a word.
-constexpr double kToldCutEnergy = 1e-3;
 
 // The rows of the answer: f per pair, and its standard error where the model is stochastic.
 struct CsvAnswer {
@@ -124,58 +117,6 @@ CsvAnswer eval_medium(const std::string& what, const KeyValues& given,
   return answer;
 }
 
-// Energy per channel that cut walks may have taken from what left, 3 standard errors included.
-Rgb cut_energy(const TruthValue& v) {
-  Rgb energy;
-  for (int c = 0; c < 3; ++c)
-    if (v.unresolved[c].value > 0)
-      energy[c] = v.unresolved[c].value + kUnresolvedErrors * v.unresolved[c].standard_error;
-  return energy;
-}
-
-// The standard error, and f of what cut walks held, were it spread like Lambert's over one side.
-Rgb error_of(const TruthValue& v) { return v.standard_error + 1 / kPi * cut_energy(v); }
-
-// Where the clock of a first look ended walks: how many there were.
-void warn_of_few_walks(const std::vector<TruthValue>& truth, const TruthRequest& request,
-                       const RunMonitor& monitor) {
-  std::uint64_t fewest = request.effort.walks;
-  for (const TruthValue& v : truth)
-    if (v.walks > 0) fewest = std::min(fewest, v.walks);
-  if (fewest < request.effort.walks)
-    monitor.warn(
-        fmt::format("truth: {} of {} walks in {:g} s where they were fewest; walks=N for "
-                    "more, see se",
-                    fewest, request.effort.walks, kFirstLookSeconds));
-}
-
-void warn_of_cut_walks(const std::vector<TruthValue>& truth, const Plan& plan,
-                       const RunMonitor& monitor) {
-  double most = 0;
-  for (const TruthValue& v : truth) most = std::max(most, cut_energy(v).max());
-  if (most > kToldCutEnergy)
-    monitor.warn(
-        fmt::format("truth: walks that were cut after {} events hold {} of the light; se "
-                    "has it spread over one side, a peak could lack more (--max-order)",
-                    plan.max_order, percent_text(most)));
-}
-
-// Says where the solver's bound of a value is above the tolerance, which is relative to the mean
-// over the azimuth; the value itself stands in for that mean here.
-void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSolution& solution,
-                    double tolerance) {
-  double worst = 0;
-  for (const TruthValue& v : truth)
-    for (int c = 0; c < 3; ++c)
-      if (v.f[c] != 0) worst = larger_error(worst, v.standard_error[c] / std::abs(v.f[c]));
-  const DeterministicAccuracy& a = solution.accuracy();
-  if (worst > tolerance && !a.reached)
-    fmt::print(stderr,
-               "lamella: warning: truth: the solver's bound is {:.1e} of a value at worst after {} "
-               "nodes and {} modes, short of tolerance {}; see se\n",
-               worst, a.nodes, a.modes, to_text(tolerance));
-}
-
 CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
   const auto stack = take_stack(values, "truth", pairs);
   if (!stack)
@@ -233,38 +174,13 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
   }
   CsvAnswer answer;
   answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
-  catch_interrupts();
   const RunMonitor monitor = terminal_monitor(options);
-  const EstimatorChoice choice = choose_estimator(request, Estimator::next_event, monitor.stop,
-                                                  monitor.solver, TruthAt::pairs);
-  std::vector<TruthValue> truth;
-  bool solved = choice.solution != nullptr;
-  if (solved) {
-    truth = truth_at(*choice.solution, pairs.pairs, monitor.solver);
-    if (const auto reason = why_no_answer(truth)) {
-      if (request.estimator) refuse_answer(*stack, *reason);
-      solved = false;
-    }
-  }
-  if (monitor.finished) monitor.finished();
-  if (solved) {
-    warn_of_bounds(truth, *choice.solution, request.tolerance);
-  } else {
-    const Plan plan = plan_of(request);
-    for (const std::string& warning : plan.warnings) monitor.warn(warning);
-    const FirstLook look(request, 1);
-    truth = truth_at(*stack, plan, pairs.pairs, request.effort.walks, request.seed, &user_interrupt,
-                     look.has_clock() ? std::optional(kFirstLookSeconds) : std::nullopt);
-    if (!user_interrupt) warn_of_few_walks(truth, request, monitor);
-    warn_of_cut_walks(truth, plan, monitor);
-  }
-  for (const TruthValue& v : truth) {
-    answer.f.push_back(v.f);
-    answer.standard_error.push_back(error_of(v));
-  }
+  const PairTruth truth = truth_of_pairs(request, pairs.pairs, monitor);
+  answer.f = truth.f;
+  answer.standard_error = truth.error;
   if (user_interrupt)
     fmt::print(stderr, "lamella: interrupted: {} than asked for, see se\n",
-               solved ? "a coarser solution" : "fewer walks");
+               truth.is_solved() ? "a coarser solution" : "fewer walks");
   return answer;
 }
 

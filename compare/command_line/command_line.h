@@ -21,11 +21,12 @@ struct CommandLine {
   CLI::App app;
   Options options{};
   ClosedFormOptions closed{};
-  std::string walks{};                  ///< as typed
-  std::string word{};                   ///< the one argument of commands that take one word
-  std::vector<std::string> pictures{};  ///< --pictures: names of formats
-  std::vector<std::string> words{};     ///< the arguments of commands that take several
-  bool sweep_parameters = false;        ///< furnace --sweep
+  std::string walks{};                         ///< as typed
+  std::string word{};                          ///< the one argument of commands that take one word
+  std::vector<std::string> pictures{};         ///< --pictures: names of formats
+  std::vector<std::string> words{};            ///< the arguments of commands that take several
+  std::string format = "npz", size = "large";  ///< of export
+  bool sweep_parameters = false;               ///< furnace --sweep
 
   /// Adds a command. `example`: a shell line that works as it stands, shown by --help, and run by a
   /// test; `run`: does it, and returns the exit status.

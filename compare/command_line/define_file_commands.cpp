@@ -58,6 +58,71 @@ void define_reproduce(CommandLine& line) {
   add_json(command, line);
 }
 
+void add_export_source(CLI::App& command, CommandLine& line, const std::string& doc,
+                       const std::string& type) {
+  command.add_option("SOURCE", line.options.stack, doc)
+      ->transform(named("a name or a file"))
+      ->required()
+      ->type_name(type);
+}
+
+void add_wi(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--wi", line.options.incident,
+                  "Incident direction THETA[,PHI] in degrees, repeatable (default 0, 30, 60, 80)")
+      ->type_name("THETA[,PHI]")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void define_export(CommandLine& line) {
+  CLI::App& command =
+      line.add("export", "A truth, a closed form or lobes in another program's format",
+               "lamella export eon,albedo=0.8,roughness=0.5 --to mitsuba -o eon.bsdf",
+               [&] { return export_command(line.options, line.format, line.size); });
+  add_export_source(command, line,
+                    "A stack (its truth), a model as --model takes it, or an EXR file of lobes",
+                    "SOURCE");
+  command
+      .add_option("--to", line.format,
+                  "mitsuba: tensor file of RGB; pbrt: of spectra; merl; npz, csv: lobes on cells")
+      ->required()
+      ->transform(one_of({"mitsuba", "pbrt", "merl", "npz", "csv"}))
+      ->type_name("mitsuba|pbrt|merl|npz|csv");
+  command.add_option("--size", line.size, "Of tensor files (default large); all three are told")
+      ->transform(one_of({"small", "medium", "large"}))
+      ->type_name("small|medium|large");
+  command.add_option("-o,--output", line.options.output, "The file to write")
+      ->required()
+      ->transform(named("a file to write"))
+      ->type_name("FILE");
+  add_wi(command, line);
+  add_walks(command, line, "Walks per incident direction");
+  add_estimator(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_grid(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+}
+
+void define_import(CommandLine& line) {
+  CLI::App& command =
+      line.add("import", "A measured material (MERL or tensor file) as lobes",
+               "lamella export lambert,albedo=0.5 --to mitsuba --size small -o grey.bsdf && "
+               "lamella import grey.bsdf --wi 60 -o grey.exr",
+               [&] { return import_command(line.options); });
+  command.add_option("FILE", line.options.stack, "MERL (.binary) or tensor file (.bsdf)")
+      ->transform(named("a MERL or tensor file"))
+      ->required()
+      ->type_name("FILE");
+  add_output(command, line, "FILE.exr", "Write the lobes");
+  add_wi(command, line);
+  add_grid(command, line);
+  add_threads(command, line);
+  add_json(command, line);
+}
+
 void define_completion(CommandLine& line) {
   CLI::App& command =
       line.add("completion", "A completion script for a shell", "lamella completion bash", [&] {
@@ -75,6 +140,8 @@ void define_completion(CommandLine& line) {
 void define_file_commands(CommandLine& line) {
   define_show(line);
   define_rerun(line);
+  define_export(line);
+  define_import(line);
   define_grid(line);
   define_reproduce(line);
   define_completion(line);

@@ -5,8 +5,10 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
+#include "analytic/model/batched_model.h"
 #include "analytic/model/stochastic_model.h"
 #include "volume/run/simulation.h"
 
@@ -17,6 +19,8 @@ constexpr int kPoints = 4;  // per panel and dimension
 // Cells are cut about the directions in which lobes have their peaks, down to pieces of this extent
 // [radians].
 constexpr double kPeakExtent = 2e-3;
+// Pairs of a call of a BatchedModel.
+constexpr std::size_t kBatchPairs = 1 << 16;
 
 using Values = std::vector<Rgb>;  // per order and all
 
@@ -82,11 +86,40 @@ class CellIntegrator {
       const Values part = integrals(piece, panels);
       for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += part[o];
     }
-    // Over the cell, the integral of mu dmu dphi is (mu1^2 - mu0^2) / 2 times the width of phi.
-    const int row = cell / grid_.columns();
-    const double mu0 = grid_.edge_mu(row + 1), mu1 = grid_.edge_mu(row);
-    const double norm = 1 / ((mu1 - mu0) * (mu1 + mu0) / 2 * (2 * kPi / grid_.phi_cells));
+    const double norm = norm_of(cell);
     for (Rgb& sum : sums) sum = norm * sum;
+    return sums;
+  }
+
+  // The same of many cells, for a BatchedModel: the points of all of them in calls of
+  // kBatchPairs pairs. `pieces`: of every cell.
+  [[nodiscard]] std::vector<Values> means(const std::vector<int>& cells,
+                                          const std::vector<std::vector<Piece>>& pieces,
+                                          int panels) const {
+    std::vector<Values> sums(cells.size(), Values(kLobeOrders));
+    std::vector<DirectionPair> pairs;
+    std::vector<std::pair<std::size_t, double>> places;  // of sums, and the weight there
+    std::vector<Rgb> values;
+    const auto evaluate = [&] {
+      values.resize(pairs.size());
+      model_.eval(pairs, values, Isa::scalar);
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        sums[places[k].first][kOrders] += places[k].second * values[k];
+      pairs.clear();
+      places.clear();
+    };
+    for (std::size_t n = 0; n < cells.size(); ++n)
+      for (const Piece& piece : pieces[cells[n]]) {
+        const double scale = norm_of(cells[n]) * area_of(piece, panels);
+        visit(piece, panels, [&](Direction wo, double weight) {
+          pairs.push_back({wi_, wo});
+          places.emplace_back(n, scale * weight);
+        });
+        if (pairs.size() >= kBatchPairs) evaluate();
+      }
+    if (!pairs.empty()) evaluate();
+    if (info_.lobes[0].order != Order::all)
+      for (Values& v : sums) v[static_cast<int>(info_.lobes[0].order)] = v[kOrders];
     return sums;
   }
 
@@ -110,30 +143,52 @@ class CellIntegrator {
 
   // Of f mu dmu dphi; steps in mu, where f is smooth down to 0.
   [[nodiscard]] Values integrals(const Piece& piece, int panels) const {
+    Values sums(kLobeOrders);
+    std::vector<Rgb> lobes(info_.lobes.size());
+    visit(piece, panels, [&](Direction wo, double weight) {
+      model_.eval_lobes(wi_, wo, lobes);
+      for (std::size_t k = 0; k < lobes.size(); ++k) {
+        const Rgb part = weight * lobes[k];
+        sums[kOrders] += part;
+        if (info_.lobes[k].order != Order::all)
+          sums[static_cast<int>(info_.lobes[k].order)] += part;
+      }
+    });
+    for (Rgb& sum : sums) sum = area_of(piece, panels) * sum;
+    return sums;
+  }
+
+  // What the sums over a piece's points are multiplied by.
+  [[nodiscard]] static double area_of(const Piece& piece, int panels) {
+    const double dmu = (piece.mu1 - piece.mu0) / panels;
+    const double dphi = (piece.phi1 - piece.phi0) / panels;
+    return dmu / 2 * dphi / 2;
+  }
+
+  // What a cell's integral is multiplied by to be its mean: over the cell, the integral of mu dmu
+  // dphi is (mu1^2 - mu0^2) / 2 times the width of phi.
+  [[nodiscard]] double norm_of(int cell) const {
+    const int row = cell / grid_.columns();
+    const double mu0 = grid_.edge_mu(row + 1), mu1 = grid_.edge_mu(row);
+    return 1 / ((mu1 - mu0) * (mu1 + mu0) / 2 * (2 * kPi / grid_.phi_cells));
+  }
+
+  // f(w_o, weight) at every point of the piece.
+  template <class F>
+  void visit(const Piece& piece, int panels, const F& f) const {
     static const auto rule = gauss_rule();
     const double mu0 = piece.mu0, phi0 = azimuth(wi_) + piece.phi0;
     const double dmu = (piece.mu1 - piece.mu0) / panels;
     const double dphi = (piece.phi1 - piece.phi0) / panels;
-    Values sums(kLobeOrders);
-    std::vector<Rgb> lobes(info_.lobes.size());
     for (int a = 0; a < panels; ++a)
       for (const auto& [x, wx] : rule) {
         const double mu = mu0 + dmu * (a + (x + 1) / 2);
         for (int b = 0; b < panels; ++b)
           for (const auto& [y, wy] : rule) {
             const double phi = phi0 + dphi * (b + (y + 1) / 2);
-            model_.eval_lobes(wi_, direction_from_mu_phi(side_ * mu, phi), lobes);
-            const double weight = wx * wy * mu;
-            for (std::size_t k = 0; k < lobes.size(); ++k) {
-              const Rgb part = weight * lobes[k];
-              sums[kOrders] += part;
-              if (info_.lobes[k].order != Order::all)
-                sums[static_cast<int>(info_.lobes[k].order)] += part;
-            }
+            f(direction_from_mu_phi(side_ * mu, phi), wx * wy * mu);
           }
       }
-    for (Rgb& sum : sums) sum = dmu / 2 * dphi / 2 * sum;
-    return sums;
   }
 
   const Model& model_;
@@ -177,12 +232,17 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   wi = with_grazing_limit(wi);
   const CellIntegrator integrator(model, info, wi, grid, up);
   const int cells = grid.cells();
+  const bool batches = dynamic_cast<const BatchedModel*>(&model) != nullptr;
   std::vector<std::vector<CellIntegrator::Piece>> pieces(cells);
   std::vector<Values> coarse(cells);
-  tbb::parallel_for(0, cells, [&](int cell) {
-    pieces[cell] = integrator.pieces(cell);
-    coarse[cell] = integrator.means(cell, pieces[cell], 1);
-  });
+  tbb::parallel_for(0, cells, [&](int cell) { pieces[cell] = integrator.pieces(cell); });
+  std::vector<int> rest(cells);
+  std::iota(rest.begin(), rest.end(), 0);
+  if (batches)
+    coarse = integrator.means(rest, pieces, 1);
+  else
+    tbb::parallel_for(0, cells,
+                      [&](int cell) { coarse[cell] = integrator.means(cell, pieces[cell], 1); });
   Values scale(kLobeOrders);
   for (const Values& v : coarse)
     for (int o = 0; o < kLobeOrders; ++o)
@@ -195,16 +255,28 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   };
   const Values nothing(kLobeOrders);
   std::vector<Values> open(cells, nothing);
-  tbb::parallel_for(0, cells, [&](int cell) {
+  // Takes the finer means of a cell; whether they are fine enough.
+  const auto refine = [&](int cell, const Values& fine) {
+    const bool done = close(coarse[cell], fine, scale);
+    open[cell] = done ? nothing : change(coarse[cell], fine);
+    coarse[cell] = fine;
+    return done;
+  };
+  for (int cell = 0; cell < cells; ++cell)
     open[cell] = change(coarse[cell], nothing);  // unrefined, nothing is known of it
-    for (int panels = 2; panels <= kProjectionPanels && !is_late(); panels *= 2) {
-      const Values fine = integrator.means(cell, pieces[cell], panels);
-      const bool done = close(coarse[cell], fine, scale);
-      open[cell] = done ? nothing : change(coarse[cell], fine);
-      coarse[cell] = fine;
-      if (done) break;
+  if (batches)
+    for (int panels = 2; panels <= kProjectionPanels && !rest.empty() && !is_late(); panels *= 2) {
+      const std::vector<Values> fine = integrator.means(rest, pieces, panels);
+      std::vector<int> further;
+      for (std::size_t n = 0; n < rest.size(); ++n)
+        if (!refine(rest[n], fine[n])) further.push_back(rest[n]);
+      rest = std::move(further);
     }
-  });
+  else
+    tbb::parallel_for(0, cells, [&](int cell) {
+      for (int panels = 2; panels <= kProjectionPanels && !is_late(); panels *= 2)
+        if (refine(cell, integrator.means(cell, pieces[cell], panels))) break;
+    });
 
   // A comparison would take what is no number for no difference.
   for (const Values& cell : coarse)

@@ -10,13 +10,13 @@
 #include "compare/request/interrupt.h"
 
 namespace lamella {
-
 namespace {
 
 using SolverClock = std::chrono::steady_clock;
 
-// "solver: 32 nodes, 24 modes so far, coarser ones reach 3.1e-04, 2 s"
-std::string solver_text(const SolverProgress& p) {
+}  // namespace
+
+std::string progress_text(const SolverProgress& p) {
   switch (p.task) {
     case SolverProgress::Task::cells:
       return fmt::format("solver: {} nodes reach {:.1e}; cells {:.0f} %, {:.0f} s", p.nodes,
@@ -32,7 +32,14 @@ std::string solver_text(const SolverProgress& p) {
                      p.seconds);
 }
 
-}  // namespace
+std::string progress_text(const std::string& label, const Progress& p,
+                          std::optional<double> seconds) {
+  const double rate = static_cast<double>(p.walks) / std::max(p.seconds, 1e-9);
+  double left = static_cast<double>(p.of_walks - p.walks) / rate;
+  if (seconds) left = std::min(left, std::max(0.0, *seconds - p.seconds));
+  return fmt::format("{}: {:.3g} of {:.3g} walks, {:.3g}/s, {:.0f} s left", label,
+                     static_cast<double>(p.walks), static_cast<double>(p.of_walks), rate, left);
+}
 
 std::FILE* table_stream(const Options& options) { return options.json == "-" ? stderr : stdout; }
 
@@ -44,18 +51,14 @@ RunMonitor terminal_monitor(const Options& options) {
   };
   if (options.quiet || !isatty(STDERR_FILENO)) return monitor;
   monitor.progress = [seconds = options.seconds](const std::string& label, const Progress& p) {
-    const double rate = static_cast<double>(p.walks) / std::max(p.seconds, 1e-9);
-    double left = static_cast<double>(p.of_walks - p.walks) / rate;
-    if (seconds) left = std::min(left, std::max(0.0, *seconds - p.seconds));
-    fmt::print(stderr, "\r{}: {:.3g} of {:.3g} walks, {:.3g}/s, {:.0f} s left \x1b[K", label,
-               static_cast<double>(p.walks), static_cast<double>(p.of_walks), rate, left);
+    fmt::print(stderr, "\r{} \x1b[K", progress_text(label, p, seconds));
     std::fflush(stderr);
   };
   monitor.solver = [next = SolverClock::now()](const SolverProgress& p) mutable {
     const SolverClock::time_point now = SolverClock::now();
     if (now < next) return;
     next = now + std::chrono::milliseconds(200);
-    fmt::print(stderr, "\r{}\x1b[K", solver_text(p));
+    fmt::print(stderr, "\r{}\x1b[K", progress_text(p));
     std::fflush(stderr);
   };
   monitor.finished = [] { fmt::print(stderr, "\r\x1b[K"); };

@@ -7,7 +7,8 @@ from lamella_program import WITH_CAIRO, WITH_CERES, ProgramTest
 # What a command takes beside options, so that the option is what is wrong with it.
 WORDS = {"eval": ["lambert", "--pairs", "pairs.csv"], "invert": ["eon", "albedo=0.5"],
          "sweep": ["sggx_slab", "--set", "layer.0.albedo=0.5"], "show": ["lobes.exr"], "rerun": ["lobes.exr"],
-         "grid": ["weave"], "reproduce": ["vmf_figure_5"], "completion": ["bash"], "measure": ["sphere_bed_dense"]}
+         "grid": ["weave"], "reproduce": ["vmf_figure_5"], "completion": ["bash"], "measure": ["sphere_bed_dense"],
+         "export": ["lambert", "--to", "csv", "--output", "new.csv"], "import": ["grey.bsdf"]}
 
 # Wrong values by the type that --help names.
 NUMBERS = ["", "x", "-1", "1,2", "nan", "0x10", "1e", " "]

@@ -48,6 +48,15 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
             with self.subTest(stack):
                 self.json_of("simulate", stack, *QUICK)
 
+    def test_export_and_import(self):
+        answer = self.json_of("export", "lambert,albedo=0.5", "--to", "mitsuba", "--size", "small", "-o", "a.bsdf")
+        self.assertEqual([s["size"] for s in answer["sizes"]], ["small", "medium", "large"])
+        self.assertEqual(answer["bytes"], (self.folder / "a.bsdf").stat().st_size)
+        self.json_of("export", "sggx_slab", "--to", "csv", "--grid", "2x4", "-o", "a.csv", "--walks", "2000")
+        for energy in self.json_of("import", "a.bsdf", "--wi", "30", "--grid", "4x8")["runs"][0]["reflected"]:
+            self.assertAlmostEqual(energy, 0.5, delta=0.005)
+        self.json_of("compare", "a.bsdf", "--model", "lambert", "--grid", "4x8", "--wi", "30", "--quiet")
+
     def test_a_half_space_is_written_as_the_string_inf(self):
         stack = self.json_of("simulate", "lambert_sphere_halfspace", *QUICK)["stack"]
         self.assertEqual(stack["layer"][0]["thickness"], "inf")

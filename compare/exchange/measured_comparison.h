@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/judge/stack_comparison.h"
+#include "compare/request/run_monitor.h"
+
+namespace lamella {
+
+/// Whether a name is that of a measured material: a MERL file (.binary) or a tensor file (.bsdf).
+[[nodiscard]] bool is_measured_file(const std::string& name);
+
+/// Closed forms against a measured material, whose reflection from above is the truth: of the
+/// request, directions and cells count. Its projection onto cells is exact within what stands for
+/// the error bound, and it has no orders: lobes are compared in "all" alone. `models` must outlive
+/// the result.
+[[nodiscard]] StackComparison compare_measured(const Model& measured, const TruthRequest& request,
+                                               const std::vector<BoundModel>& models,
+                                               const RunMonitor& monitor);
+
+}  // namespace lamella

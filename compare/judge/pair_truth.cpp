@@ -1,0 +1,106 @@
+#include "compare/judge/pair_truth.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/judge/missing_light.h"
+#include "compare/request/first_look.h"
+#include "compare/request/percent.h"
+#include "compare/truth/point_truth.h"
+#include "phase/math/larger_error.h"
+
+namespace lamella {
+namespace {
+
+// Share of the light that cut walks may hold without a word.
+constexpr double kToldCutEnergy = 1e-3;
+
+// Energy per channel that cut walks may have taken from what left, 3 standard errors included.
+Rgb cut_energy(const TruthValue& v) {
+  Rgb energy;
+  for (int c = 0; c < 3; ++c)
+    if (v.unresolved[c].value > 0)
+      energy[c] = v.unresolved[c].value + kUnresolvedErrors * v.unresolved[c].standard_error;
+  return energy;
+}
+
+// The standard error, and f of what cut walks held, were it spread like Lambert's over one side.
+Rgb error_of(const TruthValue& v) { return v.standard_error + 1 / kPi * cut_energy(v); }
+
+// Where the clock of a first look ended walks: how many there were.
+void warn_of_few_walks(const std::vector<TruthValue>& truth, const TruthRequest& request,
+                       const RunMonitor& monitor) {
+  std::uint64_t fewest = request.effort.walks;
+  for (const TruthValue& v : truth)
+    if (v.walks > 0) fewest = std::min(fewest, v.walks);
+  if (fewest < request.effort.walks)
+    monitor.warn(
+        fmt::format("truth: {} of {} walks in {:g} s where they were fewest; walks=N for "
+                    "more, see se",
+                    fewest, request.effort.walks, kFirstLookSeconds));
+}
+
+void warn_of_cut_walks(const std::vector<TruthValue>& truth, const Plan& plan,
+                       const RunMonitor& monitor) {
+  double most = 0;
+  for (const TruthValue& v : truth) most = std::max(most, cut_energy(v).max());
+  if (most > kToldCutEnergy)
+    monitor.warn(
+        fmt::format("truth: walks that were cut after {} events hold {} of the light; se "
+                    "has it spread over one side, a peak could lack more (--max-order)",
+                    plan.max_order, percent_text(most)));
+}
+
+// Says where the solver's bound of a value is above the tolerance, which is relative to the mean
+// over the azimuth; the value itself stands in for that mean here.
+void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSolution& solution,
+                    double tolerance, const RunMonitor& monitor) {
+  double worst = 0;
+  for (const TruthValue& v : truth)
+    for (int c = 0; c < 3; ++c)
+      if (v.f[c] != 0) worst = larger_error(worst, v.standard_error[c] / std::abs(v.f[c]));
+  const DeterministicAccuracy& a = solution.accuracy();
+  if (worst > tolerance && !a.reached)
+    monitor.warn(fmt::format(
+        "truth: the solver's bound is {:.1e} of a value at worst after {} nodes and {} modes, "
+        "short of tolerance {}; see se",
+        worst, a.nodes, a.modes, to_text(tolerance)));
+}
+
+}  // namespace
+
+PairTruth truth_of_pairs(const TruthRequest& request, const std::vector<DirectionPair>& pairs,
+                         const RunMonitor& monitor) {
+  PairTruth answer;
+  answer.choice = choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver,
+                                   TruthAt::pairs);
+  std::vector<TruthValue> truth;
+  if (answer.is_solved()) {
+    truth = truth_at(*answer.choice.solution, pairs, monitor.solver);
+    if (const auto reason = why_no_answer(truth)) {
+      if (request.estimator) refuse_answer(request.stack, *reason);
+      answer.choice = EstimatorChoice{Estimator::next_event, *reason, nullptr};
+    }
+  }
+  if (monitor.finished) monitor.finished();
+  if (answer.is_solved()) {
+    warn_of_bounds(truth, *answer.choice.solution, request.tolerance, monitor);
+  } else {
+    const Plan plan = plan_of(request);
+    for (const std::string& warning : plan.warnings) monitor.warn(warning);
+    const FirstLook look(request, 1);
+    truth = truth_at(request.stack, plan, pairs, request.effort.walks, request.seed, monitor.stop,
+                     look.has_clock() ? std::optional(kFirstLookSeconds) : std::nullopt);
+    if (!monitor.is_stopped()) warn_of_few_walks(truth, request, monitor);
+    warn_of_cut_walks(truth, plan, monitor);
+  }
+  for (const TruthValue& v : truth) {
+    answer.f.push_back(v.f);
+    answer.error.push_back(error_of(v));
+  }
+  return answer;
+}
+
+}  // namespace lamella

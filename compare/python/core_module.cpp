@@ -1,0 +1,15 @@
+#include "compare/python/bindings.h"
+
+PYBIND11_MODULE(_core, m) {
+  m.doc() = "The compiled part of lamella; import lamella instead.";
+  m.attr("__version__") = LAMELLA_VERSION;
+  lamella::bind_errors(m);
+  lamella::bind_lists(m);
+  lamella::bind_stack(m);
+  lamella::bind_model(m);
+  lamella::bind_lobes(m);
+  lamella::bind_truth(m);
+  lamella::bind_report(m);
+  lamella::bind_furnace(m);
+  lamella::bind_formats(m);
+}

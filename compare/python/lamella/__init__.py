@@ -1,0 +1,44 @@
+"""Lamella: layered scattering media as ground truth for BSDF models.
+
+A stack of layers is simulated (random walks) or solved (adding and doubling), closed forms are
+evaluated beside it, and a report says lobe by lobe how far they are apart, noise told from error.
+
+    import lamella as lm
+
+    stack = lm.Stack.builtin("vmf_sand")              # or Stack.read(path), Stack.parse(text)
+    lobes = lm.simulate(stack, wi=[60])               # truth on cells of the hemisphere
+    lobes["reflect", "all"]                           # [direction, mu, phi, channel], f in 1/sr
+    f, error = lm.truth(stack, wi, wo)                # truth at pairs of directions
+    model = lm.Model("eon", albedo=0.8, roughness=0.5)
+    report = lm.compare(stack, [model, my_function])  # my_function(wi, wo) -> f, on arrays
+    lm.furnace(stack)
+
+Conventions. z is up, the macroscopic normal. Directions are unit vectors that point away from the
+stack, w_i to the light, w_o to the viewer; arrays of them have shape (..., 3). f(w_i, w_o) [1/sr]
+is the BSDF without the cosine: reflection where both lie on one side, else transmission. Arrays of
+f end with an axis of channels: 1 (grey) or 3 (red, green, blue). Angles that are typed (`wi=`) are
+degrees. All arrays are float64.
+
+The same request gives the same numbers as the command line `lamella`, bit by bit.
+
+Errors. What the command line refuses with status 2 raises ValueError with the same text; numbers
+that are not finite raise ArithmeticError, files OSError. Ctrl-C ends long work at its next
+checkpoint: simulate, truth, compare and furnace give what is there, with a RuntimeWarning and
+`interrupted` set; a second Ctrl-C raises KeyboardInterrupt.
+"""
+
+from ._core import __version__
+from .directions import directions
+from .furnaces import Furnace, furnace
+from .catalogue import media, models, stacks
+from .lobes import Energies, Lobes, StandardErrors, read
+from .models import Model
+from .reports import Report, compare
+from .stacks import Stack, interface, layer, substrate
+from .truths import simulate, truth
+
+__all__ = [
+    "Energies", "Furnace", "Lobes", "Model", "Report", "Stack", "StandardErrors", "__version__",
+    "compare", "directions", "furnace", "interface", "layer", "media", "models", "read",
+    "simulate", "stacks", "substrate", "truth",
+]
