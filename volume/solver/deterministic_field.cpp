@@ -231,7 +231,8 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
       channel->second.emplace(stack_, channels_[k]);
       split.emplace(stack_, channels_[k],
                     DirectionSets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
-                                  grazing_map(stack_)));
+                                  grazing_map(stack_)),
+                    isa_);
     }
     solver->prepare(modes_[k]);
     channel->modes.resize(modes_[k]);

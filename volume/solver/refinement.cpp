@@ -310,7 +310,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       std::optional<SecondSplit> split;
       if (solution.steep_)
         split.emplace(stack, channel,
-                      DirectionSets(nodes, kProbesOut, kProbesIn, grazing_map(stack)));
+                      DirectionSets(nodes, kProbesOut, kProbesIn, grazing_map(stack)), options.isa);
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
       int max_modes = std::min(options.max_modes, 16 * nodes + 24);

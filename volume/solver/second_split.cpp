@@ -19,14 +19,14 @@ Stack counted_by_second_order(const Stack& stack) {
   return counted;
 }
 
-SecondSplit::SecondSplit(const Stack& stack, int channel, const DirectionSets& sets)
+SecondSplit::SecondSplit(const Stack& stack, int channel, const DirectionSets& sets, Isa isa)
     : stack_(counted_by_second_order(stack)),
       every_mode_(std::any_of(
           stack.layers.begin(), stack.layers.end(),
           [&](const Layer& l) { return !is_counted(l.medium) && l.albedo[channel] > 0; })),
       // A Lambertian substrate takes part in mode 0 only.
       first_mode_(stack.substrate && stack.substrate->albedo[channel] > 0) {
-  if (every_mode_ || first_mode_) modes_.emplace(stack_, channel, sets, 2);
+  if (every_mode_ || first_mode_) modes_.emplace(stack_, channel, sets, 2, isa);
 }
 
 std::optional<Parts> SecondSplit::counted(int m) {

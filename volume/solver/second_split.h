@@ -12,7 +12,7 @@ namespace lamella {
 /// Splits order 2 of a stack's modes into what SecondOrder counts and the rest.
 class SecondSplit {
  public:
-  SecondSplit(const Stack& stack, int channel, const DirectionSets& sets);
+  SecondSplit(const Stack& stack, int channel, const DirectionSets& sets, Isa isa);
   /// The counted part of order 2 between directions that were asked for, if it is not all.
   [[nodiscard]] std::optional<Parts> counted(int m);
 

@@ -17,9 +17,9 @@ TEST(MatrixProduct, IsEigensOnEverySetForEveryShape) {
           const MatrixXd expected = a * b, found = MatrixProduct(isa)(a, b);
           ASSERT_EQ(found.rows(), rows);
           ASSERT_EQ(found.cols(), columns);
-          if (found.size() > 0)
-            ASSERT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-15 * (inner + 1))
-                << to_text(isa) << ' ' << rows << ' ' << columns << ' ' << inner;
+          if (found.size() == 0) continue;
+          ASSERT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-15 * (inner + 1))
+              << to_text(isa) << ' ' << rows << ' ' << columns << ' ' << inner;
         }
 }
 
