@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "compare/fit/fitted_models.h"
 #include "compare/judge/comparison.h"
@@ -22,13 +23,14 @@ Stack coat_over_lambert(double ior, double roughness, double albedo) {
       "coats", "coat over Lambert's law");
 }
 
-// Of the base's lobe.
+// Of the base's lobe: orders 1 and up, which are all that cells hold where a coat is smooth.
 double base_error(const RunResult& run, const BoundModel& model) {
+  const Order base = run.reflected.has_zero_lobe() ? Order::scattered : Order::all;
   const ProjectedLobes projected =
       project(*model.model, *model.info, run.incident, run.grid, true, run.channels);
   for (const LobeComparison& lobe : compare(run, nullptr, projected, true))
-    if (lobe.order == Order::scattered) return lobe.relative_rmse;
-  return 0;
+    if (lobe.order == base) return lobe.relative_rmse;
+  throw std::logic_error("a coat without a base's lobe");
 }
 
 }  // namespace

@@ -150,12 +150,7 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
       const double leaving =
           streams_.march(v, block.data(), source.data(), 0, radiance.col(k - begin).data());
       (v.z > 0 ? piece.up : piece.down) += weight * std::abs(v.z) * leaving;
-      for (const LayeredStreams::Part& part : streams_.parts()) {
-        const double lost = (1 - part.layer->albedo[channel_]) * sigma(part.layer->medium, -v);
-        for (int node = 0; node < part.panels.size(); ++node)
-          piece.absorbed +=
-              weight * lost * part.panels.weight(node) * radiance(part.first + node, k - begin);
-      }
+      piece.absorbed += weight * collided(v, radiance.col(k - begin).data());
       basis_.values(v, values);
       harmonics.col(k - begin) = weight * values;
     }

@@ -138,11 +138,13 @@ TEST(HarmonicRun, CellsAddUpToTheEnergiesWithinTheirBounds) {
   const std::vector<Direction> incident{direction_from_degrees(45, 20),
                                         direction_from_degrees(89.99, 0), Direction{1, 0, 0},
                                         direction_from_degrees(130, 250)};
-  const std::vector<RunResult> runs = harmonic_runs(stack, plan, incident, CellGrid{8, 16},
-                                                    {.tolerance = 1e-2, .max_seconds = kInfinity});
+  const std::vector<RunResult> runs =
+      harmonic_runs(stack, plan, incident, CellGrid{8, 16},
+                    {.tolerance = 1e-2, .max_seconds = kInfinity, .max_degree = 24});
   ASSERT_EQ(runs.size(), incident.size());
   for (const RunResult& run : runs) {
-    EXPECT_TRUE(run.accuracy->reached) << run.accuracy->error;
+    // Light that grazes mirrors takes more than this degree.
+    EXPECT_LT(run.accuracy->error, 0.1);
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(ledger_sum(run, c), 1, 5e-5);
       for (const SideResult* side : {&run.reflected, &run.transmitted})
@@ -225,8 +227,8 @@ TEST(HarmonicRun, AgreesWithWalksOnRandomStacks) {
     const Direction wi[] = {direction_from_mu_phi(mu, between(0, 6.28))};
     const Plan plan = make_plan(stack);
     const CellGrid grid{3, 6};
-    const RunResult solved =
-        harmonic_runs(stack, plan, wi, grid, {.tolerance = 1e-2, .max_seconds = kInfinity})[0];
+    const RunResult solved = harmonic_runs(
+        stack, plan, wi, grid, {.tolerance = 1e-2, .max_seconds = kInfinity, .max_degree = 24})[0];
     Simulation walks(stack, plan, wi[0], Estimator::analog, grid, 5);
     walks.advance(400000);
     const RunResult found = reduce(walks);
