@@ -53,7 +53,7 @@ void check_energy(const CheckedModel& m, Direction wi, CheckLine& line) {
     // The furnace's verdict decides: what is above the tolerance may be the energy's own error.
     const double allowed = 1 + kFurnaceTolerance;
     line.offer(energy, furnace.gains ? allowed : std::max(allowed, energy), [&] {
-      return told(fmt::format("energy {:.5f} +- {:.0e}, allowed {}", energy, error, allowed));
+      return told(fmt::format("energy {:.6g} +- {:.0e}, allowed {}", energy, error, allowed));
     });
   } catch (const std::domain_error& error) {
     line.offer(HUGE_VAL, 0, [&] { return told(error.what()); });

@@ -6,6 +6,8 @@
 #include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "analytic/model/stochastic_model.h"
@@ -23,6 +25,7 @@ namespace {
 constexpr double kIntegralTolerance = 1e-6;
 constexpr std::uint64_t kQuadratureValues = 200000;
 constexpr double kUndecided = 0.1;  // of the mean
+constexpr double kLargest = 1e200;
 constexpr std::size_t kPilot = 2048;
 constexpr double kCellTolerance = 1e-5;  // of a panel's share; a cell has a share of 1/48
 
@@ -32,6 +35,7 @@ struct SamplerIntegrals {
   double mean_error = 0, second_error = 0, density_error = 0;
   double max_weight = 0;
   bool grey = true;
+  std::string refused{};  // what the model said where it refused a value; those count as 0
 };
 
 SamplerIntegrals integrals_of(const CheckedModel& m, Direction wo, double seconds) {
@@ -42,14 +46,20 @@ SamplerIntegrals integrals_of(const CheckedModel& m, Direction wo, double second
     pairs.clear();
     for (const Direction& wi : directions) pairs.push_back({wi, wo});
     f.resize(pairs.size());
-    m.model.eval(pairs, f, Isa::scalar);
+    try {
+      m.model.eval(pairs, f, Isa::scalar);
+    } catch (const std::domain_error& error) {
+      found.refused = error.what();
+      std::fill(f.begin(), f.end(), Rgb());
+    }
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const double c = std::abs(directions[k].z), most = f[k].max();
       const double pdf = m.model.pdf(directions[k], wo);
       const double weight = pdf > 0 ? most * c / pdf : 0;
       found.max_weight = std::max(found.max_weight, weight);
       found.grey = found.grey && f[k].is_grey();
-      values[k] = {most, most * weight, pdf / c};
+      // Larger ones would overflow in sums, and hide the density.
+      values[k] = {std::min(most, kLargest), std::min(most * weight, kLargest), pdf / c};
     }
   };
   const DirectionalIntegral integral = integrate_projected(
@@ -175,6 +185,7 @@ void check_sampler(const CheckedModel& m, Direction wo, const SamplerCheckSettin
     e.max_weight = std::max(e.max_weight, s.max_weight);
     e.lost = std::max(e.lost, s.lost);
     if (!integrated) return;
+    if (!integrals.refused.empty()) throw std::domain_error(integrals.refused);
     const double most = std::max(integrals.max_weight, s.max_weight);
     const double variance =
         std::max({0.0, integrals.second + integrals.second_error - integrals.mean * integrals.mean,
@@ -189,7 +200,8 @@ void check_sampler(const CheckedModel& m, Direction wo, const SamplerCheckSettin
                                       integrals.mean, allowed));
     });
   });
-  if (!integrated || !m.reciprocal || m.transmits || !integrals.grey) return;
+  if (!integrated || !integrals.refused.empty() || !m.reciprocal || m.transmits || !integrals.grey)
+    return;
   run_case(m, wo, lines.albedo, [&] {
     const AlbedoEstimate albedo = m.model.albedo_with_error(wo);
     double error = albedo.error.max() + integrals.mean_error + kIntegralTolerance;

@@ -58,6 +58,8 @@ std::vector<DirectionPair> checked_pairs(std::uint64_t seed) {
   for (const auto& [wi, wo] : above) {
     const Direction i = with_grazing_limit(wi), o = with_grazing_limit(wo);
     pairs.push_back({i, o});
+    // A cosine of 0 is a limit from above, and in single precision it has no side.
+    if (wi.z == 0 || wo.z == 0) continue;
     // w_o mirrored at the horizon and at the origin: transmission, straight on among it.
     pairs.push_back({i, {o.x, o.y, -o.z}});
     pairs.push_back({i, -o});

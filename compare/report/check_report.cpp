@@ -17,6 +17,8 @@ std::string direction_text(const char* name, Direction w) {
 
 std::string text_of(const CheckCase& worst) {
   std::string text = worst.text;
+  // Values that the model's loader refused name their directions.
+  if (text.find("w_i = ") != std::string::npos) return text;
   if (worst.wi) text += direction_text("w_i", *worst.wi);
   if (worst.wo) text += direction_text("w_o", *worst.wo);
   return text + "; " + worst.parameters;
