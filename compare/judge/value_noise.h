@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "analytic/model/model.h"
 
 namespace lamella {

@@ -121,7 +121,7 @@ class SharedObjects(CheckTest):
                 if not names:
                     self.assertEqual(failures(answer), {})
                 undecided[kind] = line_of(answer, "energy")["verdict"]
-        # Noise of 10 %, no integral at all, a checkerboard, a spike: no energy is known within 1e-3.
+        # Noise of 10 %, no integral, a checkerboard, a spike: no energy is known within 1e-3.
         self.assertEqual({kind for kind, verdict in undecided.items() if verdict == "undecided"}, {0, 2, 7, 9})
 
     def test_a_slow_one_ends_by_time_and_says_so(self):
