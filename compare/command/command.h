@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "compare/judge/model_check.h"
 #include "compare/options/options.h"
 #include "compare/request/run_monitor.h"
 
@@ -74,6 +76,25 @@ struct ClosedFormOptions {
   bool bond = false;       ///< light from everywhere instead of --wi
   bool all = false;        ///< samplers: every row and the times, where no model is named
 };
+
+/// What `check` does at most.
+struct CheckOptions {
+  int configurations = 24;
+  std::uint64_t samples = 20000;  ///< per direction and configuration
+};
+/// The same with --quick.
+inline constexpr CheckOptions kQuickCheck{5, 4000};
+/// Seconds after which `check` begins no further case, unless --time says otherwise.
+inline constexpr double kCheckSeconds = 60;
+/// The answer to a check of a model, named `request` in it; `out`: where its lines are printed, if
+/// anywhere.
+[[nodiscard]] CommandAnswer check_answer(const ModelInfo& info, const std::string& request,
+                                         const std::vector<CheckConfiguration>& configurations,
+                                         const Options& options, const CheckOptions& checking,
+                                         const RunMonitor& monitor, std::FILE* out);
+/// The battery of checks of a model. `words`: the model and its key=value arguments.
+int check_command(const Options& options, const CheckOptions& checking,
+                  const std::vector<std::string>& words);
 
 /// Variance and largest weight of models' samplers.
 int samplers_command(const Options& options, const ClosedFormOptions& closed);

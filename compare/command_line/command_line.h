@@ -21,6 +21,7 @@ struct CommandLine {
   CLI::App app;
   Options options{};
   ClosedFormOptions closed{};
+  CheckOptions checking{};
   std::string walks{};                         ///< as typed
   std::string word{};                          ///< the one argument of commands that take one word
   std::vector<std::string> pictures{};         ///< --pictures: names of formats

@@ -80,6 +80,40 @@ void define_samplers(CommandLine& line) {
   add_json(command, line);
 }
 
+void define_check(CommandLine& line) {
+  CLI::App& command =
+      line.add("check", "Values, reciprocity, energy, sampler and density of a model, pass or fail",
+               "lamella check eon --quick",
+               [&] { return check_command(line.options, line.checking, line.words); });
+  command
+      .add_option(
+          "MODEL", line.words,
+          "Model, or shared object (./mine.so), then key=value...: keys that are given stay, "
+          "the others vary over their ranges")
+      ->transform(named("a model, then key=value..."))
+      ->required()
+      ->expected(1, -1);
+  command.add_flag("--quick", line.options.quick,
+                   "5 configurations, 3 angles and 4000 samples: seconds");
+  command
+      .add_option("--configurations", line.checking.configurations,
+                  "Values of the parameters that are tried, at most (default 24)")
+      ->transform(whole_number(1, 100000))
+      ->type_name("N");
+  command
+      .add_option("--samples", line.checking.samples,
+                  "Draws per direction and configuration (default 20000)")
+      ->transform(whole_number(256, 1000000000))
+      ->type_name("N");
+  command
+      .add_option("--time", line.options.seconds,
+                  "Seconds after which no further case is begun (default 60)")
+      ->transform(positive_number())
+      ->type_name("S");
+  add_seed(command, line);
+  add_json(command, line);
+}
+
 void define_fit(CommandLine& line) {
   CLI::App& command = line.add("fit", "SpongeCake's two further lobes for a stack",
                                "lamella fit sggx_slab --walks 1e5",
@@ -143,6 +177,7 @@ void define_model_commands(CommandLine& line) {
   define_accuracy(line);
   define_bench(line);
   define_samplers(line);
+  define_check(line);
   define_fit(line);
   define_invert(line);
   define_list(line, "models", "The closed forms: parameters, lobes, source", "eon", models_command);

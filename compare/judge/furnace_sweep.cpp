@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "compare/judge/parameter_steps.h"
 #include "phase/math/larger_error.h"
 
 namespace lamella {
@@ -12,33 +13,14 @@ namespace {
 
 constexpr double kCosines[] = {1, 0.9, 0.6, 0.3, 0.1, 0.02, 0};
 constexpr int kSteps = 5;
-// Ranges wider than this are not shapes: walks, seeds, factors without a scale.
-constexpr double kWidestRange = 100;
-
-bool is_white(const ParameterInfo& p) {
-  for (const char* name :
-       {"albedo", "f0", "bulk_albedo", "base.albedo", "base_color", "specular_color", "color"})
-    if (p.name == name) return true;
-  return false;
-}
 
 std::vector<ParameterValue> values_of(const ParameterInfo& p) {
   if (is_white(p)) return {Rgb(1)};
   if (p.name == "base_weight") return {1.0};
   if (p.name == "material") return {std::string("white"), std::string("dielectric")};
-  // An index is no shape, nor is what stands for another key by default.
-  const bool fixed = p.name.ends_with("ior") || p.name.ends_with("_y");
-  const bool shape = p.kind == ParameterKind::number && !p.name.starts_with("bulk_") &&
-                     p.max - p.min <= kWidestRange && !fixed;
-  if (shape) {
-    std::vector<ParameterValue> list;
-    for (int k = 0; k < kSteps; ++k) {
-      double x = p.min + (p.max - p.min) * k / (kSteps - 1);
-      if (x == p.max && p.max_open) x -= 1e-3 * (p.max - p.min);
-      if (x == p.min && p.min_open) x += 1e-3 * (p.max - p.min);
-      list.emplace_back(x);
-    }
-    return list;
+  if (is_shape(p)) {
+    const std::vector<double> list = steps_of_range(p, kSteps);
+    return {list.begin(), list.end()};
   }
   if (p.name == "surface") return {p.choices.begin(), p.choices.end()};
   return {parse_value(p, p.default_value)};

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -122,6 +123,28 @@ double largest_deviation_p_value(const Means& means, const std::vector<double>& 
 
 double sidak_level(double false_alarm, std::size_t tests) {
   return -std::expm1(std::log1p(-false_alarm) / static_cast<double>(tests));
+}
+
+double chi_square_p_value(const std::vector<double>& observed, const std::vector<double>& expected,
+                          const std::vector<double>& uncertainty) {
+  constexpr double kEnough = 10;
+  double statistic = 0, o = 0, e = 0, u = 0;
+  int cells = 0;
+  for (std::size_t k = 0; k < observed.size(); ++k) {
+    if (!std::isfinite(expected[k])) return 0;
+    o += observed[k];
+    e += expected[k];
+    u += uncertainty[k];
+    if (e < kEnough) continue;
+    const double off = std::max(0.0, std::abs(o - e) - u);
+    statistic += off * off / e;
+    ++cells;
+    o = e = u = 0;
+  }
+  // Poisson counts above their mean by eight deviations and eight more do not occur.
+  if (o > e + u + 8 * std::sqrt(std::max(e, 0.0)) + 8) return 0;
+  if (cells == 0) return 1;
+  return boost::math::cdf(complement(boost::math::chi_squared(cells), statistic));
 }
 
 }  // namespace lamella

@@ -54,4 +54,13 @@ struct Means {
 /// a true hypothesis is `false_alarm` (Sidak 1967): 1 - (1 - false_alarm)^(1/tests).
 [[nodiscard]] double sidak_level(double false_alarm, std::size_t tests);
 
+/// p-value of Pearson's chi-square for counts against expected ones that are known to
+/// +-uncertainty, by which each difference is reduced. Neighbouring cells are pooled until each
+/// expects 10; a rest that expects less may only show counts where none belong. Expected numbers
+/// that are not finite have the p-value 0. Of counts of a multinomial law the p-value is too large
+/// by less than one degree of freedom's worth, as their sum is taken to be free.
+[[nodiscard]] double chi_square_p_value(const std::vector<double>& observed,
+                                        const std::vector<double>& expected,
+                                        const std::vector<double>& uncertainty);
+
 }  // namespace lamella

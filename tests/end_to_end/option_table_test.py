@@ -8,6 +8,7 @@ from lamella_program import WITH_CAIRO, WITH_CERES, ProgramTest
 WORDS = {"eval": ["lambert", "--pairs", "pairs.csv"], "invert": ["eon", "albedo=0.5"],
          "sweep": ["sggx_slab", "--set", "layer.0.albedo=0.5"], "show": ["lobes.exr"], "rerun": ["lobes.exr"],
          "grid": ["weave"], "reproduce": ["vmf_figure_5"], "completion": ["bash"], "measure": ["sphere_bed_dense"],
+         "check": ["lambert"],
          "export": ["lambert", "--to", "csv", "--output", "new.csv"], "import": ["grey.bsdf"]}
 
 # Wrong values by the type that --help names.
@@ -117,13 +118,14 @@ class EveryOption(ProgramTest):
         self.refused("eval", "", "--pairs", "pairs.csv", parts=['found ""'])
         self.refused("eval", "truth", "stack=", "--pairs", "pairs.csv", parts=['key "stack"', 'found ""'])
         self.refused("invert", "", "albedo=0.5", parts=['found ""'])
+        self.refused("check", "", parts=['found ""'])
         if WITH_CERES:
             self.refused("fit", "", parts=['STACK: found ""'])
 
     def test_words_beside_what_a_command_takes(self):
         for command in self.commands():
             words = WORDS.get(command, [])
-            if command in ("eval", "invert", "grid"):  # take key=value
+            if command in ("eval", "invert", "grid", "check"):  # take key=value
                 self.refused(command, *words[:1], "nonsense", *words[2:] if command == "eval" else [],
                              *(["--pairs", "pairs.csv"] if command == "eval" else []), parts=['"nonsense"'])
             elif command in ("accuracy", "bench", "samplers", "man"):

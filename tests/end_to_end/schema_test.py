@@ -81,6 +81,10 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
         self.json_of("furnace", "spongecake_window_shade", "--as-is", *QUICK)
         self.json_of("furnace", "--model", "lambert", "--quiet")
 
+    def test_check(self):
+        answer = self.json_of("check", "eon", "roughness=0.5", "--quick", "--quiet")
+        self.assertEqual({line["verdict"] for line in answer["checks"]}, {"pass"})
+
     def test_explain_models_media_and_stacks(self):
         for command in ("explain", "models", "media", "stacks"):
             with self.subTest(command):
