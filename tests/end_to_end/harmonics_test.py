@@ -49,7 +49,7 @@ class Harmonics(ProgramTest):
     def test_a_run_is_repeated_to_the_degree_where_it_ended(self):
         self.lamella("simulate", "fabric.toml", "--wi", "30", "--grid", "2x4", "--tolerance", "2e-2",
                      "--quiet", "-o", "first.exr")
-        self.assertIn("lamella.modes", self.lamella("show", "first.exr").out)
+        self.assertIn("modes", self.lamella("show", "first.exr").out)
         answer = self.json_of("rerun", "first.exr", "--quiet", "--threads", "1")
         self.assertEqual((answer["same"], answer["differences"]), (True, []))
 
