@@ -229,8 +229,9 @@ LAMELLA_INLINE BoundaryEnds<Real> meet(const WalkSetting<typename NumberTraits<R
 
   const Mask down = w.wi.z > Real(0);
   const Words last(static_cast<std::uint32_t>(t.layer_count));
-  const Mask leaves = active & to_float_mask((to_word_mask(down) & equal(at, last)) |
-                                             without(equal(at, Words(0u)), to_word_mask(down)));
+  const auto goes_down = to_word_mask(down), at_bottom = equal(at, last);
+  const auto leaves_above = without(equal(at, Words(0u)), goes_down);
+  const Mask leaves = active & to_float_mask((goes_down & at_bottom) | leaves_above);
   const Mask cut = active & to_float_mask(is_below(Words(2 * kMostMeetings), w.met));
   const Words layer = select(to_word_mask(down), at, at - Words(1u));
   w.layer = select(to_word_mask(active), layer, w.layer);
