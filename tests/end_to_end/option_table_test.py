@@ -1,5 +1,6 @@
 """Every option of every command, given what it does not take: one line that says what is wrong."""
 
+import os
 import re
 
 from lamella_program import WITH_CAIRO, WITH_CERES, ProgramTest
@@ -98,8 +99,9 @@ class EveryOption(ProgramTest):
                     values = ["", "nonsense"]
                 self.assertIsNotNone(values, f"{command} {option}: no wrong values of the type {kind}")
                 given = words if option not in words else words[:words.index(option)]
-                # All wrong values of an option once, and one by each other command that has it.
-                values = values if (option, kind) not in seen else values[1:2]
+                # All wrong values of an option once; by each other command that has it in the soak.
+                if (option, kind) in seen and "LAMELLA_SOAK" not in os.environ:
+                    continue
                 seen.add((option, kind))
                 for value in values:
                     if command == "fit" and not WITH_CERES or option == "--pictures" and not WITH_CAIRO:
@@ -107,7 +109,7 @@ class EveryOption(ProgramTest):
                     tried += 1
                     self.refused(command, *given, f"{option}={value}")
                 self.refused(command, *given, option, parts=[f"{option}: found nothing"])
-        self.assertGreater(tried, 250)
+        self.assertGreater(tried, 200, tried)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), self.there)
 
     def test_texts_that_are_empty_are_no_default(self):

@@ -176,8 +176,11 @@ TEST(InterfaceTruth, RandomStacksAgreeWithWalks) {
     for (const double side : {1.0, -1.0})
       for (int k = 0; k < (is_open ? 2 : 3) && (is_open || side > 0); ++k)
         points.push_back(direction_from_mu_phi(side * draw.between(0.1, 1), draw.between(0, kPi)));
-    const DeterministicSolution s = solve_deterministic(
-        stack, {.tolerance = 1e-2, .min_nodes = 8, .max_nodes = 12, .max_modes = 32});
+    const DeterministicSolution s = solve_deterministic(stack, {.tolerance = 1e-2,
+                                                                .min_nodes = 8,
+                                                                .max_nodes = 12,
+                                                                .max_modes = 32,
+                                                                .isa = supported_isas().back()});
     EXPECT_FALSE(why_no_answer(s.accuracy())) << toml;
     accurate += s.accuracy().error < 2e-2;
     const double list[] = {mu};
@@ -230,8 +233,11 @@ TEST(InterfaceTruth, RoughEndsAreAnsweredWithinTheirBoundsOrSaidToBeNoAnswer) {
       }
     for (const std::string& toml : cases) {
       const Stack stack = stack_of(toml);
-      const DeterministicSolution s = solve_deterministic(
-          stack, {.tolerance = 1e-3, .max_nodes = 12, .max_modes = 24, .max_seconds = 600});
+      const DeterministicSolution s = solve_deterministic(stack, {.tolerance = 1e-3,
+                                                                  .max_nodes = 12,
+                                                                  .max_modes = 24,
+                                                                  .max_seconds = 600,
+                                                                  .isa = supported_isas().back()});
       const bool open = stack.is_open_below();
       // An error of 1 claims nothing either: coarser nodes, which would tell, were all there were.
       if (why_no_answer(s.accuracy()) || s.accuracy().error >= 1) {
