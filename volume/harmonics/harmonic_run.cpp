@@ -36,13 +36,7 @@ bool channels_equal(const Stack& stack, int a, int b) {
 
 // Narrow distributions change nothing at low degrees: the first one that is worth its time.
 std::size_t first_level(const Stack& stack) {
-  double width = 1;
-  for (const Layer& layer : stack.layers) {
-    if (layer.depth() == 0) continue;
-    const auto normals = axial_normals(layer.medium);
-    width =
-        std::min(width, normals ? normals->width : 1 - std::abs(traits(layer.medium).mean_cosine));
-  }
+  const double width = narrowest_feature(stack);
   return width > 0.4 ? 0 : width > 0.2 ? 1 : width > 0.08 ? 2 : 3;
 }
 
