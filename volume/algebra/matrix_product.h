@@ -17,7 +17,6 @@ class MatrixProduct {
   /// c += a b. c must not share memory with a or b.
   void add(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
            Eigen::Ref<Eigen::MatrixXd> c) const;
-  [[nodiscard]] Isa isa() const { return isa_; }
 
  private:
   Isa isa_;

@@ -40,11 +40,10 @@ DepthPanels::DepthPanels(double depth, double scale, double finest, int nodes)
   const Quadrature& rule = cached_gauss_legendre(nodes);
   const auto add = [&](int edge, bool mirrored) {
     const double length = (edges[edge + 1] - edges[edge]) / scale;
-    top_.push_back(mirrored ? depth - edges[edge + 1] / scale : edges[edge] / scale);
-    length_.push_back(length);
+    const double top = mirrored ? depth - edges[edge + 1] / scale : edges[edge] / scale;
     kind_.push_back(edge);
     for (int j = 0; j < nodes; ++j) {
-      place_.push_back(top_.back() + length * rule.points[j]);
+      place_.push_back(top + length * rule.points[j]);
       weight_.push_back(length * rule.weights[j]);
     }
   };

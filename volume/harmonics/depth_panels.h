@@ -14,11 +14,9 @@ class DepthPanels {
   DepthPanels(double depth, double scale, double finest, int nodes);
 
   [[nodiscard]] int nodes() const { return nodes_; }  ///< of a panel
-  [[nodiscard]] int panels() const { return static_cast<int>(length_.size()); }
+  [[nodiscard]] int panels() const { return static_cast<int>(kind_.size()); }
   [[nodiscard]] int size() const { return nodes_ * panels(); }
   [[nodiscard]] double depth() const { return depth_; }
-  [[nodiscard]] double length(int panel) const { return length_[panel]; }
-  [[nodiscard]] double top(int panel) const { return top_[panel]; }
   [[nodiscard]] double place(int node) const { return place_[node]; }    ///< below the layer's top
   [[nodiscard]] double weight(int node) const { return weight_[node]; }  ///< for integrals
   /// Panels of one length share what depends on it: which of them, and the first of each kind.
@@ -28,7 +26,7 @@ class DepthPanels {
  private:
   int nodes_;
   double depth_;
-  std::vector<double> top_, length_, place_, weight_, kinds_;
+  std::vector<double> place_, weight_, kinds_;
   std::vector<int> kind_;
 };
 

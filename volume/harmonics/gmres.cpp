@@ -9,8 +9,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 GmresResult solve_gmres(const std::function<VectorXd(const VectorXd&)>& a, const VectorXd& b,
-                        double tolerance, int max_iterations,
-                        const std::function<bool()>& stopped) {
+                        double tolerance, int max_iterations) {
   GmresResult result{VectorXd::Zero(b.size()), 0, 0};
   const double size = b.norm();
   if (!(size > 0)) return result;
@@ -21,7 +20,7 @@ GmresResult solve_gmres(const std::function<VectorXd(const VectorXd&)>& a, const
   right[0] = size;
   int n = 0;
   result.residual = 1;
-  while (n < max_iterations && result.residual > tolerance && !stopped()) {
+  while (n < max_iterations && result.residual > tolerance) {
     VectorXd next = basis[n] - a(basis[n]);
     VectorXd column = VectorXd::Zero(n + 1);
     // Twice: once loses orthogonality to rounding.

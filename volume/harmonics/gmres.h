@@ -15,6 +15,6 @@ struct GmresResult {
 /// restart: until the residual is below tolerance |b|, or for as many products with A.
 [[nodiscard]] GmresResult solve_gmres(
     const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& a, const Eigen::VectorXd& b,
-    double tolerance, int max_iterations, const std::function<bool()>& stopped);
+    double tolerance, int max_iterations);
 
 }  // namespace lamella

@@ -22,7 +22,7 @@ class HarmonicBasis {
   [[nodiscard]] int place(int l, int m, bool sine) const { return first(m, sine) + l - m; }
 
   /// N_lm P_l^m(mu) for every m and l, in the places of the cosines; those of the sines are left
-  /// alone. mu in [-1, 1]; relative error below 1e-12 up to degree 150.
+  /// alone. mu in [-1, 1]; absolute error below 1e-12 up to degree 96.
   void legendre(double mu, Eigen::Ref<Eigen::VectorXd> values) const;
   /// All harmonics along a direction (unit).
   void values(Direction w, Eigen::Ref<Eigen::VectorXd> values) const;

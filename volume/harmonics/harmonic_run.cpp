@@ -10,6 +10,7 @@
 #include "volume/harmonics/axial_normals.h"
 #include "volume/harmonics/harmonic_solution.h"
 #include "volume/solver/closed_cells.h"
+#include "volume/solver/distinct_channels.h"
 
 namespace lamella {
 namespace {
@@ -25,13 +26,6 @@ constexpr double kFirstShare = 0.1;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-bool channels_equal(const Stack& stack, int a, int b) {
-  return std::all_of(
-             stack.layers.begin(), stack.layers.end(),
-             [&](const Layer& l) { return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b]; }) &&
-         (!stack.substrate || stack.substrate->albedo[a] == stack.substrate->albedo[b]);
 }
 
 // Narrow distributions change nothing at low degrees: the first one that is worth its time.
@@ -63,13 +57,9 @@ class Refinement {
       incident_.push_back(w);
       lowest_ = std::min(lowest_, std::abs(w.z));
     }
-    for (int c = 0; c < 3; ++c) {
-      int same = 0;
-      while (!channels_equal(stack, same, c)) ++same;
-      if (same == c) channels_.push_back(c);
-      channel_of_[c] =
-          static_cast<int>(std::find(channels_.begin(), channels_.end(), same) - channels_.begin());
-    }
+    DistinctChannels distinct = distinct_channels(stack);
+    channels_ = std::move(distinct.channels);
+    channel_of_ = distinct.channel_of;
   }
 
   std::vector<RunResult> run() {
@@ -120,7 +110,7 @@ class Refinement {
                            .error = levels_ > 0 ? accuracy_.error : 1,
                            .seconds = seconds_since(start_)});
         if (is_stopped() && !now_.answers.empty()) return false;
-        const HarmonicSolution solution(transport, wi, [] { return false; });
+        const HarmonicSolution solution(transport, wi);
         Answer answer{solution.energies(), {}};
         for (const bool up : {true, false})
           if (sees(wi, up)) answer.sides[up ? 0 : 1] = solution.cells(grid_, up);

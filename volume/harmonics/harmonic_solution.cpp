@@ -18,8 +18,7 @@ double HarmonicEnergies::sum() const {
   return all;
 }
 
-HarmonicSolution::HarmonicSolution(const HarmonicTransport& transport, Direction wi,
-                                   const std::function<bool()>& stopped)
+HarmonicSolution::HarmonicSolution(const HarmonicTransport& transport, Direction wi)
     : transport_(transport), wi_(wi) {
   HarmonicTransport::First first = transport.first(wi);
   energies_.uncollided = first.uncollided;
@@ -36,7 +35,7 @@ HarmonicSolution::HarmonicSolution(const HarmonicTransport& transport, Direction
   sources_[1] = std::move(second.next);
   const HarmonicLight third = transport.follow(sources_[1]);
   take(2, third);
-  sources_[2] = transport.sum(third.next, stopped);
+  sources_[2] = transport.sum(third.next);
   take(3, transport.follow(sources_[2]));
   for (int k = 0; k < kHarmonicOrders; ++k) ground_[k] = sources_[k].ground;
 }

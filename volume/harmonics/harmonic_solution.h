@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -31,8 +30,7 @@ struct HarmonicCells {
 /// The light of one beam in one channel, at one resolution.
 class HarmonicSolution {
  public:
-  HarmonicSolution(const HarmonicTransport& transport, Direction wi,
-                   const std::function<bool()>& stopped);
+  HarmonicSolution(const HarmonicTransport& transport, Direction wi);
 
   [[nodiscard]] const HarmonicEnergies& energies() const { return energies_; }
   /// f [1/sr] of orders 2, 3, 4+.

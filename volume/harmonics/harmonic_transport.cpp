@@ -200,8 +200,7 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
   return result;
 }
 
-HarmonicSource HarmonicTransport::sum(const HarmonicSource& source,
-                                      const std::function<bool()>& stopped) const {
+HarmonicSource HarmonicTransport::sum(const HarmonicSource& source) const {
   const Index rows = basis_.size(), columns = streams_.size(), size = rows * columns;
   const auto flat = [&](const HarmonicSource& s) {
     VectorXd x(size + 1);
@@ -214,8 +213,7 @@ HarmonicSource HarmonicTransport::sum(const HarmonicSource& source,
   };
   const GmresResult result =
       solve_gmres([&](const VectorXd& x) { return flat(follow(shaped(x)).next); }, flat(source),
-                  resolution_.residual, kMaxIterations, stopped);
-  iterations_ = result.iterations;
+                  resolution_.residual, kMaxIterations);
   return shaped(result.solution);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -51,8 +50,7 @@ class HarmonicTransport {
   };
   [[nodiscard]] First first(Direction wi) const;
   /// The sum of a source and all that follows from it.
-  [[nodiscard]] HarmonicSource sum(const HarmonicSource& source,
-                                   const std::function<bool()>& stopped) const;
+  [[nodiscard]] HarmonicSource sum(const HarmonicSource& source) const;
   /// Radiance that leaves along w_o by each of some sources: their values along that direction at
   /// the nodes, and what their ground sends up.
   void leaving(Direction wo, std::span<const double* const> values, std::span<const double> ground,
@@ -61,7 +59,6 @@ class HarmonicTransport {
   [[nodiscard]] MatrixProduct product() const { return MatrixProduct(resolution_.isa); }
   [[nodiscard]] const HarmonicBasis& basis() const { return basis_; }
   [[nodiscard]] int nodes() const { return streams_.size(); }
-  [[nodiscard]] int last_iterations() const { return iterations_; }
 
  private:
   [[nodiscard]] double collided(Direction v, const double* radiance) const;
@@ -80,7 +77,6 @@ class HarmonicTransport {
   std::vector<HarmonicKernel> kernels_;  // by part
   std::vector<double> blocks_;           // by direction of the grid
   double ground_albedo_ = 0;
-  mutable int iterations_ = 0;
 };
 
 }  // namespace lamella

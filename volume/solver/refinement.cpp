@@ -14,6 +14,7 @@
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
 #include "volume/solver/deterministic_channel.h"
+#include "volume/solver/distinct_channels.h"
 #include "volume/solver/mode_tail.h"
 #include "volume/solver/second_split.h"
 
@@ -237,33 +238,6 @@ Errors errors_of(const ProbeModes& coarse, const ProbeModes& fine, int parts, do
   return worst;
 }
 
-// Whether a law reflects two channels the same, as far as some directions tell.
-bool channels_equal(const SurfaceLaw& law, int a, int b) {
-  RandomStream unused(0, 0, StreamPurpose::walk);
-  for (const double mu : {1.0, 0.9, 0.6, 0.3, 0.05}) {
-    const Direction wi = direction_from_mu_phi(mu, 0);
-    if (law.is_delta()) {
-      const auto sample = law.sample(wi, unused);
-      if (sample && sample->weight[a] != sample->weight[b]) return false;
-      continue;
-    }
-    for (const double phi : {0.0, 1.0, 2.0, kPi}) {
-      const Rgb f = law.eval(wi, direction_from_mu_phi(0.7 * mu + 0.1, phi), unused);
-      if (f[a] != f[b]) return false;
-    }
-  }
-  return true;
-}
-
-bool channels_equal(const Stack& stack, int a, int b) {
-  if (stack.substrate && stack.substrate->law && !channels_equal(*stack.substrate->law, a, b))
-    return false;
-  return std::all_of(
-             stack.layers.begin(), stack.layers.end(),
-             [&](const Layer& l) { return l.albedo[a] == l.albedo[b] && l.f0[a] == l.f0[b]; }) &&
-         (!stack.substrate || stack.substrate->albedo[a] == stack.substrate->albedo[b]);
-}
-
 }  // namespace
 
 DeterministicSolution solve_deterministic(const Stack& stack, const DeterministicOptions& options) {
@@ -284,14 +258,9 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   if (stack.has_rough_interfaces()) cosines_in.push_back(1);
   const std::vector<AskedCosine> probes_in = probes(cosines_in, outer, parts > 1),
                                  probes_out = probes(kProbesOut, outer, parts > 1);
-  for (int c = 0; c < 3; ++c) {
-    int same = 0;
-    while (!channels_equal(stack, same, c)) ++same;
-    if (same == c) solution.channels_.push_back(c);
-    solution.channel_of_[c] =
-        static_cast<int>(std::find(solution.channels_.begin(), solution.channels_.end(), same) -
-                         solution.channels_.begin());
-  }
+  const DistinctChannels distinct = distinct_channels(stack);
+  solution.channels_ = distinct.channels;
+  solution.channel_of_ = distinct.channel_of;
   const std::size_t channels = solution.channels_.size();
   std::vector<ProbeModes> coarse(channels);
   DeterministicAccuracy& accuracy = solution.accuracy_;

@@ -6,6 +6,7 @@
 
 #include "compare/request/substrate_model.h"
 #include "phase/stack/stack_file.h"
+#include "tests/volume/run/draw.h"
 #include "tests/volume/run/stacks.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/closed_orders.h"
@@ -17,17 +18,13 @@
 namespace lamella {
 namespace {
 
-struct Draw {
-  RandomStream stream;
-  double between(double low, double high) { return low + (high - low) * stream.uniform(); }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(n * stream.uniform()); }
-  // Short numbers, for messages that can be read.
-  double rounded(double low, double high) { return std::round(100 * between(low, high)) / 100; }
-  std::string color(double low, double high) {
-    const double r = rounded(low, high), g = rounded(low, high), b = rounded(low, high);
-    return fmt::format("[{}, {}, {}]", r, g, b);
-  }
-};
+using testing::Draw;
+
+std::string random_color(Draw& draw, double low, double high) {
+  const double r = draw.rounded(low, high), g = draw.rounded(low, high),
+               b = draw.rounded(low, high);
+  return fmt::format("[{}, {}, {}]", r, g, b);
+}
 
 std::string random_interface(Draw& draw, double ior) {
   const std::string head = "[[layer]]\ninterface = ";
@@ -72,9 +69,10 @@ std::string random_medium(Draw& draw) {
       return fmt::format("[[layer]]\n{}\nalbedo = 0\nthickness = {}\n", keys,
                          draw.rounded(0.05, 0.5));
   }
-  return fmt::format("[[layer]]\n{}\nalbedo = {}\nthickness = {}\n", keys,
-                     draw.below(3) == 0 ? draw.color(0.3, 1) : to_text(draw.rounded(0.3, 1)),
-                     std::round(100 * std::exp(draw.between(-2.5, 0.7))) / 100);
+  return fmt::format(
+      "[[layer]]\n{}\nalbedo = {}\nthickness = {}\n", keys,
+      draw.below(3) == 0 ? random_color(draw, 0.3, 1) : to_text(draw.rounded(0.3, 1)),
+      std::round(100 * std::exp(draw.between(-2.5, 0.7))) / 100);
 }
 
 std::string random_substrate(Draw& draw) {
@@ -83,12 +81,12 @@ std::string random_substrate(Draw& draw) {
       return fmt::format(
           "[substrate]\nbsdf = \"conductor\"\neta = {}\nk = {}\ndistribution = \"ggx\"\n"
           "roughness = {}\n",
-          draw.color(0.2, 2), draw.color(1, 5), draw.rounded(0.3, 0.8));
+          random_color(draw, 0.2, 2), random_color(draw, 1, 5), draw.rounded(0.3, 0.8));
     case 1:
       return fmt::format("[substrate]\nbsdf = \"lambert\"\nalbedo = {}\n", draw.rounded(0, 1));
     case 2:
       return fmt::format("[substrate]\nbsdf = \"eon\"\nalbedo = {}\nroughness = {}\n",
-                         draw.color(0.1, 1), draw.rounded(0, 1));
+                         random_color(draw, 0.1, 1), draw.rounded(0, 1));
     default:
       return "";
   }

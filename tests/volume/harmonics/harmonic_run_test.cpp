@@ -19,8 +19,6 @@ std::string leaning(const std::string& medium, double x, double y, double z) {
   return fmt::format("{}\naxis = [{}, {}, {}]", medium, x, y, z);
 }
 
-const auto kNeverStopped = [] { return false; };
-
 // One direction at one resolution.
 struct Solved {
   Stack stack;
@@ -30,7 +28,7 @@ struct Solved {
   Solved(const std::string& toml, Direction wi, int degree)
       : stack(stack_of(toml)),
         transport(stack, 0, {.degree = degree, .depth_nodes = 8, .finest = 1e-5}),
-        solution(transport, wi, kNeverStopped) {}
+        solution(transport, wi) {}
   [[nodiscard]] double all(Direction wo) const {
     const auto f = solution.f(wo);
     return f[0] + f[1] + f[2];

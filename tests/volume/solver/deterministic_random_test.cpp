@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "phase/stack/single_scattering.h"
+#include "tests/volume/run/draw.h"
 #include "tests/volume/run/stacks.h"
 #include "tests/volume/solver/deterministic_stacks.h"
 #include "volume/solver/deterministic.h"
@@ -13,13 +14,7 @@
 namespace lamella {
 namespace {
 
-struct Draw {
-  RandomStream stream;
-  double between(double low, double high) { return low + (high - low) * stream.uniform(); }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(n * stream.uniform()); }
-  // Short numbers, for messages that can be read.
-  double rounded(double low, double high) { return std::round(100 * between(low, high)) / 100; }
-};
+using testing::Draw;
 
 std::string random_stack(Draw& draw) {
   const auto medium = [&] {
