@@ -13,7 +13,9 @@ struct BeamQuadrature {
   std::vector<Direction> directions;
   std::vector<double> weights;  ///< [sr]
 
-  /// along: unit, where the light goes. points: of each part of a ray; rays: their number.
+  /// along: unit, where the light goes. points: of each part of a ray; rays: their number
+  /// about a steep beam, more where it grazes. Harmonics of degree 12 are integrated to 1e-9 by 40
+  /// points and 96 rays at any cosine from 1e-6 on.
   BeamQuadrature(Direction along, int points, int rays);
 };
 

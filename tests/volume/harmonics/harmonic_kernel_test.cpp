@@ -52,6 +52,28 @@ TEST(HarmonicBasis, IsOrthonormalAtTheHighestDegree) {
   }
 }
 
+TEST(BeamQuadrature, IntegratesHarmonicsAndWhatJumpsAtTheHorizon) {
+  const HarmonicBasis basis(12);
+  VectorXd values(basis.size());
+  for (const double mu : {-1.0, -0.7, -0.31, -0.29, 0.05, -1e-3, 1e-6}) {
+    const Direction along = direction_from_mu_phi(mu, 4);
+    const BeamQuadrature rule(along, 40, 96);
+    VectorXd sums = VectorXd::Zero(basis.size());
+    double flux_up = 0, near = 0;
+    for (std::size_t k = 0; k < rule.directions.size(); ++k) {
+      const Direction v = rule.directions[k];
+      basis.values(v, values);
+      sums += rule.weights[k] * values;
+      flux_up += rule.weights[k] * std::fmax(0, v.z);
+      near += rule.weights[k] * std::exp(20 * (dot(v, along) - 1));
+    }
+    EXPECT_NEAR(sums[0], std::sqrt(4 * kPi), 1e-9) << mu;
+    EXPECT_LT(sums.tail(basis.size() - 1).cwiseAbs().maxCoeff(), 1e-9) << mu;
+    EXPECT_NEAR(flux_up, kPi, 1e-9) << mu;
+    EXPECT_NEAR(near, 2 * kPi / 20 * -std::expm1(-40), 1e-9) << mu;
+  }
+}
+
 TEST(Gmres, SolvesWhatEliminationSolves) {
   constexpr int kSize = 40;
   const MatrixXd a = 0.9 / kSize * MatrixXd::Random(kSize, kSize);
