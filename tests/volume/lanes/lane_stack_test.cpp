@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "phase/stack/builtin_stacks.h"
+#include "tests/volume/lanes/lane_agreement.h"
 #include "tests/volume/run/stacks.h"
 #include "volume/lanes/lane_run.h"
 
@@ -16,6 +17,7 @@ namespace lamella {
 namespace {
 
 using testing::allowed_z;
+using testing::expect_same_lobes;
 using testing::lane_isas;
 using testing::layer;
 using testing::stack_from;
@@ -98,34 +100,6 @@ const RunResult& in_scalar(std::size_t k, Estimator estimator) {
              reduce(*in_cells(stack_cases()[k], Isa::scalar, estimator, walks, 2));
 }
 
-void expect_agreement(const RunResult& a, const RunResult& b, const std::string& what) {
-  const auto agree = [&](Estimate x, Estimate y, const std::string& which) {
-    // Too few walks for a normal error on either side: none to compare.
-    if (x.value < 6 * x.standard_error || y.value < 6 * y.standard_error) return;
-    EXPECT_LT(std::abs(z_between(x, y)), allowed_z())
-        << what << ' ' << which << ' ' << x.value << ' ' << y.value;
-  };
-  for (int c = 0; c < a.channels; ++c) {
-    EXPECT_NEAR(ledger_sum(a, c), 1, 1e-9) << what;  // fixed point
-    agree(a.uncollided[c], b.uncollided[c], "uncollided");
-    agree(a.absorbed[c], b.absorbed[c], "absorbed");
-    for (const bool reflected : {true, false}) {
-      const SideResult& x = reflected ? a.reflected : a.transmitted;
-      const SideResult& y = reflected ? b.reflected : b.transmitted;
-      const std::string side = reflected ? "reflected" : "transmitted";
-      for (int o = 0; o < kTallyOrders; ++o) {
-        agree(x.orders[o][c], y.orders[o][c], side + " order " + std::to_string(o + 1));
-        ASSERT_EQ(x.lobes[o].value.size(), y.lobes[o].value.size());
-        const std::size_t cells = x.lobes[o].value.size() / a.channels;
-        for (std::size_t j = c * cells; j < (c + 1) * cells; ++j)
-          agree({x.lobes[o].value[j], x.lobes[o].standard_error[j]},
-                {y.lobes[o].value[j], y.lobes[o].standard_error[j]},
-                side + " cell " + std::to_string(j) + " order " + std::to_string(o + 1));
-      }
-    }
-  }
-}
-
 class LaneStack : public ::testing::TestWithParam<Isa> {};
 
 TEST_P(LaneStack, EnergiesAndCellsAgreeWithTheScalarKernel) {
@@ -135,7 +109,7 @@ TEST_P(LaneStack, EnergiesAndCellsAgreeWithTheScalarKernel) {
     ASSERT_EQ(lanes->isa(), GetParam()) << c.what;
     EXPECT_GT(lanes->lane_use()->occupancy, 0.3) << c.what;
     const RunResult a = reduce(*lanes), &b = in_scalar(k, Estimator::analog);
-    expect_agreement(a, b, c.what);
+    expect_same_lobes(a, b, c.what);
     const double events = static_cast<double>(b.collisions) / static_cast<double>(b.walks);
     EXPECT_NEAR(static_cast<double>(a.collisions) / static_cast<double>(a.walks), events,
                 0.05 * events)
@@ -148,7 +122,7 @@ TEST_P(LaneStack, NextEventInCellsAgreesWithTheScalarKernel) {
     const StackCase& c = stack_cases()[k];
     const auto lanes = in_cells(c, GetParam(), Estimator::next_event, kNextEventWalks, 1);
     ASSERT_EQ(lanes->isa(), GetParam()) << c.what;
-    expect_agreement(reduce(*lanes), in_scalar(k, Estimator::next_event), c.what);
+    expect_same_lobes(reduce(*lanes), in_scalar(k, Estimator::next_event), c.what);
   }
 }
 
@@ -163,7 +137,7 @@ TEST_P(LaneStack, ThinnedWalksHaveTheSameMeans) {
       const auto lanes = in_cells(c, GetParam(), estimator, 2 * walks, 3, kEarly);
       ASSERT_EQ(lanes->isa(), GetParam()) << c.what;
       const RunResult a = reduce(*lanes), &b = in_scalar(k, estimator);
-      expect_agreement(a, b, c.what);
+      expect_same_lobes(a, b, c.what);
       for (int channel = 0; channel < a.channels; ++channel)
         EXPECT_LT(std::abs(a.thinned[channel].value),
                   allowed_z() * a.thinned[channel].standard_error)
