@@ -5,6 +5,7 @@
 
 #include "analytic/coated/coat_of_stack.h"
 #include "analytic/facets/facet_integral.h"
+#include "analytic/model/models_below.h"
 #include "analytic/model/parameter_infos.h"
 #include "phase/math/sampling.h"
 #include "phase/surface/fresnel.h"
@@ -154,37 +155,13 @@ class Coated final : public Model {
 
 const std::string kBaseKey = "base.";
 
-using Bases = std::shared_ptr<const std::vector<ModelInfo>>;
-
-const ModelInfo& base_named(const std::vector<ModelInfo>& bases, const std::string& name) {
-  return *std::find_if(bases.begin(), bases.end(),
-                       [&](const ModelInfo& info) { return info.name == name; });
-}
-
-/// The base's own parameters but its albedo, which stands for every base.
-std::vector<ParameterInfo> base_parameters(const ModelInfo& base) {
-  std::vector<ParameterInfo> list;
-  for (ParameterInfo p : base.parameters) {
-    if (p.name == "albedo") continue;
-    p.name = kBaseKey + p.name;
-    p.doc = "of the base: " + p.doc;
-    list.push_back(std::move(p));
-  }
-  return list;
-}
-
-Parameters base_values(const ModelInfo& base, const Parameters& p) {
+/// The base's own parameters. A base without an albedo takes no other than 1.
+Parameters base_values(const ModelsBelow& bases, const Parameters& p) {
+  const ModelInfo& base = bases.named(p.choice("base"));
   if (!find(base.parameters, "albedo") && p.color(kBaseKey + "albedo") != Rgb(1))
     throw ParameterError(kBaseKey + "albedo", to_text(p.at(kBaseKey + "albedo")),
                          "1: " + base.name + " has no albedo");
-  Parameters below;
-  for (const ParameterInfo& parameter : base.parameters) {
-    ParameterInfo named = parameter;
-    named.name = kBaseKey + parameter.name;
-    if (p.has(named.name)) below.set(parameter.name, checked(named, p.at(named.name)));
-  }
-  fill_defaults(base.parameters, below);
-  return below;
+  return bases.values(base.name, p);
 }
 
 Layering layering_of(const std::string& word) {
@@ -194,9 +171,9 @@ Layering layering_of(const std::string& word) {
   return word == "saunderson" ? Layering::saunderson : Layering::wolff;
 }
 
-std::unique_ptr<Model> make(const std::vector<ModelInfo>& bases, const Parameters& p) {
-  const ModelInfo& info = base_named(bases, p.choice("base"));
-  const Parameters below = base_values(info, p);
+std::unique_ptr<Model> make(const ModelsBelow& bases, const Parameters& p) {
+  const ModelInfo& info = bases.named(p.choice("base"));
+  const Parameters below = base_values(bases, p);
   return make_coated(
       {.interface = coat_interface(facet_shape_from(p.choice("distribution")),
                                    p.number("roughness"), p.number("ior")),
@@ -222,54 +199,45 @@ Dielectric coat_interface(FacetShape shape, double alpha, double ior) {
 }
 
 ModelInfo coated_model(const std::vector<ModelInfo>& models) {
-  auto offered = std::make_shared<std::vector<ModelInfo>>();
-  std::vector<std::string> names;
-  for (const ModelInfo& info : models) {
-    if (info.needs_stack) continue;
-    offered->push_back(info);
-    names.push_back(info.name);
-  }
-  const Bases bases = offered;
-  return {
-      .name = "coated",
-      .doc = "a dielectric interface over any closed form, as renderers layer them",
-      .source =
-          "OpenPBR Surface specification; Saunderson 1942; Wolff 1994; see "
-          "analytic/coated/coated_model.h",
-      .parameters =
-          {number_parameter("ior", "refractive index of the coat", "1.5", 1, 4),
-           number_parameter("roughness", "alpha; below 1e-4 smooth: the coat's lobe is a delta",
-                            "0.1", 0, 1),
-           choice_parameter("distribution", "of the facets' normals", {"ggx", "beckmann"}),
-           color_parameter("color", "what two passes along the normal leave of the light", "1"),
-           choice_parameter(
-               "layering", "the factor of the base's lobe",
-               {"albedo_scaling", "albedo_scaling_reciprocal", "darkened", "saunderson", "wolff"}),
-           color_parameter(kBaseKey + "albedo", "of the base, where it has one", "1"),
-           choice_parameter("base", "closed form below the coat", names)},
-      .lobes = {{"coat", "reflection from the coat's facets", Order::zero},
-                {"base", "light that reached the base", Order::scattered}},
-      .reciprocal = false,
-      .make = [bases](const Parameters& p, const Stack*) { return make(*bases, p); },
-      .applies_to = [bases](const Stack& stack) -> std::optional<Parameters> {
-        const auto coat = coat_of(stack, *bases);
-        if (!coat || coat->ior < 1 || coat->ior > 4 || coat->alpha > 1) return std::nullopt;
-        Parameters p;
-        p.set("ior", coat->ior);
-        p.set("roughness", coat->alpha);
-        p.set("distribution",
-              std::string(coat->shape == FacetShape::beckmann ? "beckmann" : "ggx"));
-        p.set("color", coat->color);
-        p.set("base", coat->base);
-        for (const auto& [key, value] : coat->parameters.all()) p.set(kBaseKey + key, value);
-        return p;
-      },
-      .parts = {},
-      .selector = "base",
-      .selected =
-          [bases](const std::string& name) { return base_parameters(base_named(*bases, name)); },
-      .selected_prefix = kBaseKey,
-      .alternatives = "layering"};
+  const ModelsBelow bases(models, kBaseKey, "of the base");
+  return {.name = "coated",
+          .doc = "a dielectric interface over any closed form, as renderers layer them",
+          .source =
+              "OpenPBR Surface specification; Saunderson 1942; Wolff 1994; see "
+              "analytic/coated/coated_model.h",
+          .parameters =
+              {number_parameter("ior", "refractive index of the coat", "1.5", 1, 4),
+               number_parameter("roughness", "alpha; below 1e-4 smooth: the coat's lobe is a delta",
+                                "0.1", 0, 1),
+               choice_parameter("distribution", "of the facets' normals", {"ggx", "beckmann"}),
+               color_parameter("color", "what two passes along the normal leave of the light", "1"),
+               choice_parameter("layering", "the factor of the base's lobe",
+                                {"albedo_scaling", "albedo_scaling_reciprocal", "darkened",
+                                 "saunderson", "wolff"}),
+               color_parameter(kBaseKey + "albedo", "of the base, where it has one", "1"),
+               choice_parameter("base", "closed form below the coat", bases.names())},
+          .lobes = {{"coat", "reflection from the coat's facets", Order::zero},
+                    {"base", "light that reached the base", Order::scattered}},
+          .reciprocal = false,
+          .make = [bases](const Parameters& p, const Stack*) { return make(bases, p); },
+          .applies_to = [bases](const Stack& stack) -> std::optional<Parameters> {
+            const auto coat = coat_of(stack, bases.all());
+            if (!coat || coat->ior < 1 || coat->ior > 4 || coat->alpha > 1) return std::nullopt;
+            Parameters p;
+            p.set("ior", coat->ior);
+            p.set("roughness", coat->alpha);
+            p.set("distribution",
+                  std::string(coat->shape == FacetShape::beckmann ? "beckmann" : "ggx"));
+            p.set("color", coat->color);
+            p.set("base", coat->base);
+            for (const auto& [key, value] : coat->parameters.all()) p.set(kBaseKey + key, value);
+            return p;
+          },
+          .parts = {},
+          .selector = "base",
+          .selected = [bases](const std::string& name) { return bases.parameters(name); },
+          .selected_prefix = kBaseKey,
+          .alternatives = "layering"};
 }
 
 }  // namespace lamella

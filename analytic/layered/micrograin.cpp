@@ -5,9 +5,11 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "analytic/model/models_below.h"
 #include "analytic/model/one_half_space.h"
 #include "analytic/model/parameter_infos.h"
 #include "analytic/model/reflection_angles.h"
+#include "phase/grains/grain_geometry.h"
 #include "phase/math/sampling.h"
 #include "phase/medium/flake.h"
 #include "phase/surface/fresnel.h"
@@ -62,11 +64,9 @@ double series_projected_area(double mu, double tau0, double beta, int terms) {
   return mu + scale * r / kPi * std::max(0.0, sum);
 }
 
-enum class Surface { lambert, dielectric, conductor };
-
 struct Grains {
   double tau0, beta, ior;
-  Surface surface;
+  GrainSurface surface;
   MicrograinShadowing shadowing;
   int terms;
   bool visible_normals;
@@ -110,7 +110,7 @@ class SpecularLoss {
 class Micrograin final : public Model {
  public:
   explicit Micrograin(const Grains& grains) : Model(2), g_(grains) {
-    if (g_.surface == Surface::dielectric)
+    if (g_.surface == GrainSurface::dielectric)
       loss_ = SpecularLoss([&](double mu) { return specular_albedo(mu); });
   }
 
@@ -122,11 +122,12 @@ class Micrograin final : public Model {
     const double w = micrograin_weight(a->mu_i, a->mu_o, g_.tau0, g_.beta);
     if (lobe == 1) return (1 - w) * g_.bulk->eval(wi, wo);
     switch (g_.surface) {
-      case Surface::lambert:
+      case GrainSurface::lambert:
         return w / kPi * g_.albedo;
-      case Surface::conductor:
+      case GrainSurface::mirror:
+      case GrainSurface::conductor:
         return w * specular(*a, wi, wo);
-      case Surface::dielectric:
+      case GrainSurface::dielectric:
         break;
     }
     const double base = loss_(a->mu_i) * loss_(a->mu_o) / (kPi * loss_.mean());
@@ -180,8 +181,8 @@ class Micrograin final : public Model {
   [[nodiscard]] Shares shares(Direction wo) const {
     const double mu = std::max(wo.z, kGrazingLimit);
     const double grains = micrograin_tau_plus(mu, g_.tau0, g_.beta);
-    if (g_.surface == Surface::lambert) return {1 - grains, 0};
-    if (g_.surface == Surface::conductor) return {1 - grains, grains};
+    if (g_.surface == GrainSurface::lambert) return {1 - grains, 0};
+    if (g_.surface == GrainSurface::conductor) return {1 - grains, grains};
     return {1 - grains, grains * (g_.albedo == Rgb() ? 1 : 0.5)};
   }
 
@@ -190,7 +191,7 @@ class Micrograin final : public Model {
   }
 
   [[nodiscard]] Rgb fresnel(double cosine) const {
-    if (g_.surface == Surface::dielectric) return Rgb(fresnel_reflectance(cosine, g_.ior));
+    if (g_.surface == GrainSurface::dielectric) return Rgb(fresnel_reflectance(cosine, g_.ior));
     return schlick(g_.f0, schlick_weight(cosine));
   }
 
@@ -242,40 +243,6 @@ ParameterInfo color(std::string name, std::string doc, std::string default_value
 }
 
 const std::string kBulkKey = "bulk_";
-
-/// The closed forms that may lie below.
-using Bulks = std::shared_ptr<const std::vector<ModelInfo>>;
-
-const ModelInfo& bulk_named(const std::vector<ModelInfo>& bulks, const std::string& name) {
-  return *std::find_if(bulks.begin(), bulks.end(),
-                       [&](const ModelInfo& info) { return info.name == name; });
-}
-
-/// The bulk's own parameters but its albedo, which is there for every bulk.
-std::vector<ParameterInfo> bulk_parameters(const ModelInfo& bulk) {
-  std::vector<ParameterInfo> list;
-  for (ParameterInfo p : bulk.parameters) {
-    if (p.name == "albedo") continue;
-    p.name = kBulkKey + p.name;
-    p.doc = "of the surface below: " + p.doc;
-    list.push_back(std::move(p));
-  }
-  return list;
-}
-
-std::unique_ptr<const Model> make_bulk(const std::vector<ModelInfo>& bulks, const Parameters& p) {
-  const ModelInfo& info = bulk_named(bulks, p.choice("bulk"));
-  Parameters below;
-  for (const ParameterInfo& parameter : info.parameters) {
-    const std::string key = kBulkKey + parameter.name;
-    if (!p.has(key)) continue;
-    ParameterInfo named = parameter;
-    named.name = key;
-    below.set(parameter.name, checked(named, p.at(key)));
-  }
-  fill_defaults(info.parameters, below);
-  return info.make(below, nullptr);
-}
 
 MicrograinShadowing shadowing_of(const Parameters& p) {
   const std::string& shadowing = p.choice("shadowing");
@@ -359,15 +326,7 @@ Direction micrograin_visible_normal(Direction w, double tau0, double beta, Rando
 }
 
 ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
-  auto offered = std::make_shared<std::vector<ModelInfo>>();
-  std::vector<std::string> names;
-  for (const ModelInfo& info : models) {
-    // A stack below would be a layer of its own.
-    if (info.needs_stack) continue;
-    offered->push_back(info);
-    names.push_back(info.name);
-  }
-  const Bulks bulks = offered;
+  const ModelsBelow bulks(models, kBulkKey, "of the surface below");
   return {
       .name = "micrograin",
       .doc = "porous layer of opaque half ellipsoids on any surface here",
@@ -410,25 +369,23 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
             .min = 0,
             .max = 1000},
            choice_parameter("normals", "sampled for specular grains", {"visible", "all"}),
-           choice_parameter("bulk", "closed form of the surface below", names)},
+           choice_parameter("bulk", "closed form of the surface below", bulks.names())},
       .lobes = {{"grains", "light that meets grains", Order::one},
                 {"bulk", "light that meets the surface below only", Order::one}},
       .make =
           [bulks](const Parameters& p, const Stack*) {
-            const std::string& surface = p.choice("surface");
+            const std::string& bulk = p.choice("bulk");
             return std::make_unique<Micrograin>(
                 Grains{.tau0 = p.number("tau0"),
                        .beta = p.number("beta"),
                        .ior = p.number("ior"),
-                       .surface = surface == "lambert"     ? Surface::lambert
-                                  : surface == "conductor" ? Surface::conductor
-                                                           : Surface::dielectric,
+                       .surface = grain_surface_from(p.choice("surface")),
                        .shadowing = shadowing_of(p),
                        .terms = static_cast<int>(p.number("terms")),
                        .visible_normals = p.choice("normals") == "visible",
                        .albedo = p.color("albedo"),
                        .f0 = p.color("f0"),
-                       .bulk = make_bulk(*bulks, p)});
+                       .bulk = bulks.named(bulk).make(bulks.values(bulk, p), nullptr)});
           },
       .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
         const GrainGeometry* g = stack.grains();
@@ -472,8 +429,7 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
                                                              static_cast<int>(p.number("terms"))));
                  }}},
       .selector = "bulk",
-      .selected =
-          [bulks](const std::string& name) { return bulk_parameters(bulk_named(*bulks, name)); },
+      .selected = [bulks](const std::string& name) { return bulks.parameters(name); },
       .selected_prefix = kBulkKey};
 }
 

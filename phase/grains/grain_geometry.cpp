@@ -169,6 +169,13 @@ std::vector<ParameterInfo> packed_parameters() {
 
 }  // namespace
 
+GrainSurface grain_surface_from(std::string_view name) {
+  return name == "mirror"       ? GrainSurface::mirror
+         : name == "dielectric" ? GrainSurface::dielectric
+         : name == "conductor"  ? GrainSurface::conductor
+                                : GrainSurface::lambert;
+}
+
 double GrainGeometry::number_density() const {
   return is_bed() ? packing / sphere_volume(radius) : -std::log1p(-tau0) / (kPi * radius * radius);
 }
@@ -272,11 +279,7 @@ GrainGeometry make_geometry(const GeometryInfo& info, Parameters& p) {
     g.beta = needed("beta");
     g.thickness = g.beta * g.radius;
   }
-  const std::string& kind = p.choice("surface");
-  g.surface = kind == "mirror"       ? GrainSurface::mirror
-              : kind == "dielectric" ? GrainSurface::dielectric
-              : kind == "conductor"  ? GrainSurface::conductor
-                                     : GrainSurface::lambert;
+  g.surface = grain_surface_from(p.choice("surface"));
   if (g.surface == GrainSurface::mirror || g.surface == GrainSurface::conductor) {
     if (!p.has("f0")) p.set("f0", Rgb(1));
   } else if (p.has("f0")) {

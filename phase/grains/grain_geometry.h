@@ -27,6 +27,9 @@ enum class GrainSurface {
   conductor    ///< a mirror, by the name that micrograins have for it
 };
 
+/// By its name: lambert, mirror, dielectric or conductor.
+[[nodiscard]] GrainSurface grain_surface_from(std::string_view name);
+
 /// Explicit micro-geometry that stands alone on a stack's substrate: grains in a square tile that
 /// repeats in x and y. Lengths in mm.
 ///
