@@ -320,9 +320,7 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
             scorer.event(at, event, weight.value, &l, albedo, order, stream);
           }
           const Scatter scatter = event.sample(stream);
-          std::array<double, C> kept = albedo;
-          if (l.fresnel)
-            for (int c = 0; c < C; ++c) kept[c] *= l.f0[c] + (1 - l.f0[c]) * scatter.schlick;
+          const auto kept = kept_shares<C>(albedo, l, scatter.schlick);
           if (!weight.survives(kept, order, energy, stream)) return false;
           wi = -scatter.wo;
           return true;
@@ -336,37 +334,26 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
   if (!std::isfinite(check) || !scorer.finite()) throw NonFiniteError(seed, index, incident);
 }
 
-using RunBatch = std::function<void(int, std::uint64_t, std::uint64_t)>;
-
-// make_scorer(batch) gives the scorer of a batch.
-template <int C, class MakeScorer>
-RunBatch runner_with(std::shared_ptr<const GridWalkStack> stack, Direction incident,
-                     std::uint64_t seed, std::vector<BatchTally>& batches, MakeScorer make_scorer) {
-  return [=, &batches](int batch, std::uint64_t from, std::uint64_t to) {
-    auto scorer = make_scorer(batch);
-    for (std::uint64_t i = from; i < to; ++i) {
-      const std::uint64_t index = i * kBatches + batch;
-      scorer.begin_walk(seed, index);
-      walk_in_grids<C>(*stack, incident, seed, index, scorer, batches[batch]);
-    }
-  };
-}
-
 template <int C>
-RunBatch runner_of(std::shared_ptr<const GridWalkStack> stack, Direction incident,
+RunBatch runner_of(const std::shared_ptr<const GridWalkStack>& stack, Direction incident,
                    std::uint64_t seed, Estimator estimator, const CellTargets& targets,
                    const std::vector<Direction>* points, std::vector<BatchTally>& batches) {
-  if (points && points->empty())
-    return runner_with<C>(stack, incident, seed, batches, [](int) { return GridNullScorer<C>(); });
+  const auto with = [&](const auto& make_scorer) {
+    return batches_of_walks(seed, batches, make_scorer,
+                            [=](std::uint64_t index, auto& scorer, BatchTally& tally) {
+                              walk_in_grids<C>(*stack, incident, seed, index, scorer, tally);
+                            });
+  };
+  if (points && points->empty()) return with([](int) { return GridNullScorer<C>(); });
   if (points)
-    return runner_with<C>(stack, incident, seed, batches, [=, &batches](int batch) {
+    return with([=, &batches](int batch) {
       return GridNextEventScorer<C>(*stack, *points, batches[batch]);
     });
   if (estimator == Estimator::analog)
-    return runner_with<C>(stack, incident, seed, batches, [&targets, &batches](int batch) {
+    return with([&targets, &batches](int batch) {
       return GridAnalogScorer<C>{AnalogScorer<C>(targets, batches[batch])};
     });
-  return runner_with<C>(stack, incident, seed, batches, [stack, &targets, &batches](int batch) {
+  return with([stack, &targets, &batches](int batch) {
     return GridNextEventScorer<C>(*stack, targets, batches[batch]);
   });
 }

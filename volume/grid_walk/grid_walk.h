@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "volume/result/tally.h"
 #include "volume/voxels/density_grid.h"
 #include "volume/walk/scorers.h"
+#include "volume/walk/walk_batches.h"
 
 namespace lamella {
 
@@ -47,9 +47,9 @@ struct GridWalkStack {
 /// What the batches of a simulation with grids run: walks `from` to `to` (not included) of a batch.
 /// The light enters uniformly over the tile and counts wherever it leaves: f is the tile's mean.
 /// targets: cells; points: f at points instead, next-event (none: energies alone).
-[[nodiscard]] std::function<void(int batch, std::uint64_t from, std::uint64_t to)> grid_runner(
-    const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
-    Estimator estimator, const CellTargets& targets, const std::vector<Direction>* points,
-    std::vector<BatchTally>& batches);
+[[nodiscard]] RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident,
+                                   std::uint64_t seed, Estimator estimator,
+                                   const CellTargets& targets, const std::vector<Direction>* points,
+                                   std::vector<BatchTally>& batches);
 
 }  // namespace lamella

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "phase/stack/stack.h"
@@ -8,15 +7,17 @@
 #include "volume/result/estimator.h"
 #include "volume/result/tally.h"
 #include "volume/walk/scorers.h"
+#include "volume/walk/walk_batches.h"
 
 namespace lamella {
 
 /// What the batches of a simulation with interfaces run: walks `from` to `to` (not included) of a
 /// batch. targets: cells; points: f at points instead, next-event (none: energies alone). Of deltas
 /// f has no value: they are in the energies alone.
-[[nodiscard]] std::function<void(int batch, std::uint64_t from, std::uint64_t to)> boundary_runner(
-    const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
-    Estimator estimator, const CellTargets& targets, const std::vector<Direction>* points,
-    std::vector<BatchTally>& batches);
+[[nodiscard]] RunBatch boundary_runner(const Stack& stack, const Plan& plan, Direction incident,
+                                       std::uint64_t seed, Estimator estimator,
+                                       const CellTargets& targets,
+                                       const std::vector<Direction>* points,
+                                       std::vector<BatchTally>& batches);
 
 }  // namespace lamella

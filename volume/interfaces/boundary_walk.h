@@ -157,10 +157,7 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
               scorer.collision(l, layer, y, event, weight.value, order);
             }
             const Scatter scatter = event.sample(stream);
-            std::array<double, C> kept;
-            for (int c = 0; c < C; ++c) kept[c] = l.albedo[c];
-            if (l.fresnel)
-              for (int c = 0; c < C; ++c) kept[c] *= l.f0[c] + (1 - l.f0[c]) * scatter.schlick;
+            const auto kept = kept_shares<C>(l.albedo, l, scatter.schlick);
             if (!weight.survives(kept, order, energy, stream)) return false;
             wi = -scatter.wo;
             return true;

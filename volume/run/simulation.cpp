@@ -121,40 +121,31 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
 Simulation::~Simulation() = default;
 
 template <int C>
-Simulation::RunBatch Simulation::runner(Estimator estimator, bool points) {
-  const auto walks_of = [this]<class M, bool kSingle>(
-                            std::type_identity<M>, std::bool_constant<kSingle>, auto& scorer,
-                            int batch, std::uint64_t from, std::uint64_t to) {
-    for (std::uint64_t i = from; i < to; ++i) {
-      const std::uint64_t index = i * kBatches + batch;
-      scorer.begin_walk(seed_, index);
-      walk<M, C, kSingle>(walk_stack_, incident_, seed_, index, scorer, batches_[batch]);
-    }
-  };
-  return specialise(walk_stack_, plan_, [&](auto medium, auto single) -> RunBatch {
-    if (estimator == Estimator::analog)
-      return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
-        AnalogScorer<C> scorer(targets_, batches_[batch]);
-        walks_of(medium, single, scorer, batch, from, to);
-      };
-    if (points && points_.empty())
-      return [=](int batch, std::uint64_t from, std::uint64_t to) {
-        NullScorer scorer;
-        walks_of(medium, single, scorer, batch, from, to);
-      };
-    if (points)
-      return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
-        NextEventScorer<C> scorer(points_, walk_stack_, batches_[batch]);
-        walks_of(medium, single, scorer, batch, from, to);
-      };
-    return [=, this](int batch, std::uint64_t from, std::uint64_t to) {
-      NextEventScorer<C> scorer(targets_, walk_stack_, batches_[batch]);
-      walks_of(medium, single, scorer, batch, from, to);
-    };
-  });
+RunBatch Simulation::runner(Estimator estimator, bool points) {
+  return specialise(
+      walk_stack_, plan_,
+      [&]<class M, bool kSingle>(std::type_identity<M>, std::bool_constant<kSingle>) {
+        const auto with = [this](const auto& make_scorer) -> RunBatch {
+          return batches_of_walks(seed_, batches_, make_scorer,
+                                  [this](std::uint64_t index, auto& scorer, BatchTally& tally) {
+                                    walk<M, C, kSingle>(walk_stack_, incident_, seed_, index,
+                                                        scorer, tally);
+                                  });
+        };
+        if (estimator == Estimator::analog)
+          return with([this](int batch) { return AnalogScorer<C>(targets_, batches_[batch]); });
+        if (points && points_.empty()) return with([](int) { return NullScorer(); });
+        if (points)
+          return with([this](int batch) {
+            return NextEventScorer<C>(points_, walk_stack_, batches_[batch]);
+          });
+        return with([this](int batch) {
+          return NextEventScorer<C>(targets_, walk_stack_, batches_[batch]);
+        });
+      });
 }
 
-Simulation::RunBatch Simulation::grain_runner(GrainScores scores) {
+RunBatch Simulation::grain_runner(GrainScores scores) {
   grains_.emplace(stack_, incident_, seed_, plan_.max_order);
   if (scores == GrainScores::points && grains_->geometry.surface != GrainSurface::lambert)
     throw std::invalid_argument(

@@ -11,6 +11,7 @@
 #include "volume/result/run_result.h"
 #include "volume/result/tally.h"
 #include "volume/walk/scorers.h"
+#include "volume/walk/walk_batches.h"
 
 namespace lamella {
 
@@ -56,7 +57,6 @@ class Simulation {
   [[nodiscard]] std::optional<LaneUse> lane_use() const;
 
  private:
-  using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t to)>;
   template <int C>
   [[nodiscard]] RunBatch runner(Estimator estimator, bool points);
   [[nodiscard]] RunBatch grain_runner(GrainScores scores);

@@ -77,4 +77,16 @@ struct PathWeight {
   }
 };
 
+/// The share of each channel that an event of a medium keeps: the albedo, and the factor of a layer
+/// whose flakes reflect by Schlick's rule. `schlick`: Scatter::schlick of the event.
+template <int C, class Albedo, class Layer>
+[[nodiscard]] std::array<double, C> kept_shares(const Albedo& albedo, const Layer& layer,
+                                                double schlick) {
+  std::array<double, C> kept;
+  for (int c = 0; c < C; ++c) kept[c] = albedo[c];
+  if (layer.fresnel)
+    for (int c = 0; c < C; ++c) kept[c] *= layer.f0[c] + (1 - layer.f0[c]) * schlick;
+  return kept;
+}
+
 }  // namespace lamella

@@ -139,10 +139,7 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
         scorer.collision(l, kSingle ? 0 : layer, y, event, weight.value, order);
       }
       const Scatter scatter = event.sample(stream);
-      std::array<double, C> kept;
-      for (int c = 0; c < C; ++c) kept[c] = l.albedo[c];
-      if (l.fresnel)
-        for (int c = 0; c < C; ++c) kept[c] *= l.f0[c] + (1 - l.f0[c]) * scatter.schlick;
+      const auto kept = kept_shares<C>(l.albedo, l, scatter.schlick);
       if (!weight.survives(kept, order, energy, stream)) return false;
       wi = -scatter.wo;
       return true;
