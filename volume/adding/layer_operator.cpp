@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "phase/medium/lambert_event.h"
+#include "volume/adding/without_subtraction.h"
 
 namespace lamella {
 namespace {
@@ -13,35 +14,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
-
-// Solves (I - X Y) D = B, where X Y >= 0, 1 - 1^T X Y = defect >= 0 (columns), all in irradiance,
-// by elimination on off-diagonal entries and the defect alone: no subtraction of like signs.
-MatrixXd solve_without_subtraction(const MatrixXd& product, const RowVectorXd& defect, MatrixXd b) {
-  const Index n = product.rows();
-  MatrixXd a = product.transpose();  // row sums of I - a are the defect
-  VectorXd v = defect.transpose();
-  VectorXd pivot(n);
-  for (Index k = 0; k < n; ++k) {
-    const Index rest = n - k - 1;
-    pivot[k] = v[k] + a.row(k).tail(rest).sum();
-    if (rest == 0) break;
-    const VectorXd column = a.col(k).tail(rest) / pivot[k];
-    a.bottomRightCorner(rest, rest).noalias() += column * a.row(k).tail(rest);
-    v.tail(rest) += column * v[k];
-    a.col(k).tail(rest) = column;
-  }
-  // I - a = L U with L = I - (columns below), U = pivots - (rows right); solve U^T L^T D = B.
-  for (Index k = 0; k < n; ++k) {
-    b.row(k) /= pivot[k];
-    const Index rest = n - k - 1;
-    if (rest > 0) b.bottomRows(rest).noalias() += a.row(k).tail(rest).transpose() * b.row(k);
-  }
-  for (Index k = n - 1; k >= 0; --k) {
-    const Index rest = n - k - 1;
-    if (rest > 0) b.row(k).noalias() += a.col(k).tail(rest).transpose() * b.bottomRows(rest);
-  }
-  return b;
-}
 
 // left[:, nodes] flux right[nodes, :]: light that crosses a plane between two events.
 struct Chain {
@@ -85,7 +57,7 @@ OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_
   if (rules.mode == 0) {
     const RowVectorXd defect =
         not_reflected(far_front, flux) + not_reflected(near_back, flux) * far_r;
-    crossing = solve_without_subtraction(turn, defect, source);
+    crossing = WithoutSubtraction(turn, defect).solve(source);
   } else {
     crossing = (MatrixXd::Identity(n, n) - turn).partialPivLu().solve(source);
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "volume/adding/without_subtraction.h"
+
 namespace lamella {
 namespace {
 
@@ -251,46 +253,6 @@ class Sum::Loop {
   }
 
  private:
-  // GTH elimination as in layer_operator.cpp, but for nodes that light never gets to.
-  class WithoutSubtraction {
-   public:
-    WithoutSubtraction(const MatrixXd& product, const RowVectorXd& defect)
-        : a_(product.transpose()), pivot_(product.rows()) {
-      const Index n = a_.rows();
-      VectorXd v = defect.transpose();
-      for (Index k = 0; k < n; ++k) {
-        const Index rest = n - k - 1;
-        pivot_[k] = v[k] + a_.row(k).tail(rest).sum();
-        if (rest == 0) break;
-        const VectorXd column = pivot_[k] == 0 ? VectorXd(VectorXd::Zero(rest))
-                                               : VectorXd(a_.col(k).tail(rest) / pivot_[k]);
-        a_.bottomRightCorner(rest, rest).noalias() += column * a_.row(k).tail(rest);
-        v.tail(rest) += column * v[k];
-        a_.col(k).tail(rest) = column;
-      }
-    }
-    [[nodiscard]] MatrixXd solve(MatrixXd b) const {
-      const Index n = a_.rows();
-      for (Index k = 0; k < n; ++k) {
-        if (pivot_[k] == 0)
-          b.row(k).setZero();
-        else
-          b.row(k) /= pivot_[k];
-        const Index rest = n - k - 1;
-        if (rest > 0) b.bottomRows(rest).noalias() += a_.row(k).tail(rest).transpose() * b.row(k);
-      }
-      for (Index k = n - 1; k >= 0; --k) {
-        const Index rest = n - k - 1;
-        if (rest > 0) b.row(k).noalias() += a_.col(k).tail(rest).transpose() * b.bottomRows(rest);
-      }
-      return b;
-    }
-
-   private:
-    MatrixXd a_;
-    VectorXd pivot_;
-  };
-
   // All rows: on = (source + near answer) / (1 - near far), the mirrors' part alone.
   [[nodiscard]] MatrixXd finish(const MatrixXd& source, const MatrixXd& answer) const {
     MatrixXd on = source + near_mirror_.asDiagonal() * answer;

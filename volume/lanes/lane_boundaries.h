@@ -70,12 +70,7 @@ struct BoundedMedia : AnyMedia<Real> {
   LAMELLA_INLINE bool cross(Flight& f, Vec3<Real> wi, Words& layer, Real& y) const {
     const Real inverse = this->inverse_area(layer, wi),
                depth = lookup(t.layers->value[kDepth], layer);
-    const Real to = multiply_add(f.remaining * inverse, wi.z, y);
-    const Mask inside = f.flies & ((f.down & (to < depth)) | without(to > Real(0), f.down));
-    f.collides = f.collides | inside;
-    y = select(inside, to, y);
-    f.flies = without(f.flies, inside);
-    if (!any(f.flies)) return false;
+    if (!Base::flies_past(f, inverse, depth, wi, y)) return false;
     const auto down_words = to_word_mask(f.down), fly_words = to_word_mask(f.flies);
     const Words boundary = select(down_words, layer + Words(1u), layer);
     const Mask stops = f.flies & (lookup(t.boundaries->value[kShape], boundary) > Real(0));
@@ -85,11 +80,7 @@ struct BoundedMedia : AnyMedia<Real> {
     layer = select(to_word_mask(stops), boundary + Words(kAtBoundary),
                    select(fly_words, beyond, layer));
     if (!any(f.flies)) return false;
-    const Real way = select(f.down, depth - y, y);
-    // Of a half space that is left downwards nothing remains to be crossed.
-    Real spent = min(way * f.inverse_mu, Real(1e30));
-    if (this->has_vmf || this->has_sggx) spent = spent * reciprocal(inverse);
-    f.remaining = nonnegative(f.remaining - spent);
+    this->spend(f, inverse, depth, y);
     if (t.substrate) f.collides = f.collides | (f.flies & to_float_mask(equal(layer, count)));
     f.flies = f.flies & to_float_mask(layer < count);
     y = select(f.flies, select(f.down, Real(0), lookup(t.layers->value[kDepth], layer)), y);

@@ -53,17 +53,7 @@ LAMELLA_INLINE void hand_over(const LoopSetting<C, Set, Score>& s, BoundedWalks<
   Words events = shift_left<Ended::kBits>(w.order) | bits;
   events = select(equal(w.met & Words(1u), Words(0u)), events | Words(kMetDeltasBit), events);
   if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
-  const int at = ended.size;
-  store_compressed(events, ends, ended.events + at);
-  if constexpr (Score::kUsesIndex)
-    if (s.task.batch_count > 1) store_compressed(w.index, ends, ended.index + at);
-  store_compressed(w.wi.z, ends, ended.z + at);
-  if (s.task.estimate == LaneEstimate::cells_counted) {
-    store_compressed(w.wi.x, ends, ended.x + at);
-    store_compressed(w.wi.y, ends, ended.y + at);
-  }
-  if constexpr (C > 0)
-    for (int c = 0; c < C; ++c) store_compressed(w.weight[c], ends, ended.weight[c] + at);
+  note_ends<C>(s, w, ends, events, ended);
   const int fallen = count(ends);
   ended.size += fallen;
   walks.free = walks.free | ends;
@@ -217,16 +207,9 @@ template <int C, class Set, class Score>
       if (all[k].free_count < kLanes) hand_over<C>(s, all[k], ends[k], bits[k], ended, totals);
     if (ended.size >= Setting::Ended::kSize) ended.count_all(t);
   }
-  ended.count_all(t);
-  LaneSums& sums = *t.batches[0].sums;
-  ended.add_counts(sums);
-  score.finish();
-  sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
-  sums.busy_lane_steps += totals.carried;
+  LaneSums& sums = close(s, ended, totals);
   sums.events += totals.events;
   sums.meetings += meetings;
-  sums.reflections += totals.reflections;
-  sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
 }
 
 /// Walks that no lane has, the last one first.
@@ -400,16 +383,9 @@ struct QueuedWalks {
       }
       if (ended.size >= Setting::Ended::kSize) ended.count_all(t);
     }
-    ended.count_all(t);
-    LaneSums& sums = *t.batches[0].sums;
-    ended.add_counts(sums);
-    s.score.finish();
-    sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
-    sums.busy_lane_steps += totals.carried;
+    LaneSums& sums = close(s, ended, totals);
     sums.events += totals.events;
     sums.meetings += meetings;
-    sums.reflections += totals.reflections;
-    sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
   }
 };
 

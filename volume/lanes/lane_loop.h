@@ -122,6 +122,39 @@ LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Fl
   w.wi = select(take, incident, w.wi);
 }
 
+/// Notes behind the walks that have ended those of the lanes `tells`, with their `events`.
+template <int C, class Set, class Score, class State>
+LAMELLA_INLINE void note_ends(const LoopSetting<C, Set, Score>& s, const State& w, FloatMask tells,
+                              Words events, typename LoopSetting<C, Set, Score>::Ended& ended) {
+  const int at = ended.size;
+  store_compressed(events, tells, ended.events + at);
+  if constexpr (Score::kUsesIndex)
+    if (s.task.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
+  store_compressed(w.wi.z, tells, ended.z + at);
+  if (s.task.estimate == LaneEstimate::cells_counted) {
+    store_compressed(w.wi.x, tells, ended.x + at);
+    store_compressed(w.wi.y, tells, ended.y + at);
+  }
+  if constexpr (C > 0)
+    for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
+}
+
+/// What a loop leaves in its batch when all walks have ended, the last of them counted here.
+template <int C, class Set, class Score>
+LAMELLA_INLINE LaneSums& close(const LoopSetting<C, Set, Score>& s,
+                               typename LoopSetting<C, Set, Score>::Ended& ended,
+                               const LoopTotals& totals) {
+  ended.count_all(s.task);
+  LaneSums& sums = *s.task.batches[0].sums;
+  ended.add_counts(sums);
+  s.score.finish();
+  sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
+  sums.busy_lane_steps += totals.carried;
+  sums.reflections += totals.reflections;
+  sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
+  return sums;
+}
+
 /// Hands walks that ended at a step over to `ended` and frees their lanes. kFull: every lane had a
 /// walk.
 template <bool kFull, int C, class Set, class Score>
@@ -137,17 +170,7 @@ LAMELLA_INLINE void count_ends(const LoopSetting<C, Set, Score>& s, LaneWalks<C>
   Words events = shift_left<Ended::kBits>(w.order);
   events = select(to_word_mask(now.gone), events | Words(1u), events);
   if constexpr (C > 0) events = select(is_below(w.order, w.death), events, events | Words(2u));
-  const int at = ended.size;
-  store_compressed(events, tells, ended.events + at);
-  if constexpr (Score::kUsesIndex)
-    if (s.task.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
-  store_compressed(w.wi.z, tells, ended.z + at);
-  if (s.task.estimate == LaneEstimate::cells_counted) {
-    store_compressed(w.wi.x, tells, ended.x + at);
-    store_compressed(w.wi.y, tells, ended.y + at);
-  }
-  if constexpr (C > 0)
-    for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
+  note_ends<C>(s, w, tells, events, ended);
   const int fallen = count(now.ends);
   ended.size += C == 0 ? count(tells) : fallen;
   if constexpr (kFull) {
@@ -298,17 +321,10 @@ template <int C, class Set, class Score>
       by_turns(s, all, ended, totals);
     if (ended.size >= Ended::kSize) ended.count_all(t);
   }
-  ended.count_all(t);
-  LaneSums& sums = *t.batches[0].sums;
-  ended.add_counts(sums);
+  LaneSums& sums = close(s, ended, totals);
   if (absorbs)
     sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
-  score.finish();
-  sums.lane_steps += totals.steps * static_cast<std::uint64_t>(kLanes);
-  sums.busy_lane_steps += totals.carried;
   sums.events += Set::kNull ? totals.events : totals.carried;
-  sums.reflections += totals.reflections;
-  sums.finite = sums.finite && ended.finite && !any(!equal(totals.poison, Floats(0)));
 }
 
 }  // namespace lamella::LAMELLA_ISA

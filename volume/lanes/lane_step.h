@@ -175,20 +175,30 @@ struct AnyMedia {
     return {flies, without(flies, flies), wi.z > Real(0), reciprocal(max(abs(wi.z), Real(1e-30))),
             remaining};
   }
-  /// Through one layer, or to a collision in it; whether any lane flies on.
-  LAMELLA_INLINE bool cross(Flight& f, Vec3<Real> wi, Words& layer, Real& y) const {
-    const Real inverse = inverse_area(layer, wi), depth = lookup(t.layers->value[kDepth], layer);
+  /// Stops the lanes that collide in a layer at their place there; whether any lane flies past it.
+  /// `inverse`: 1 / sigma(w_i).
+  LAMELLA_INLINE static bool flies_past(Flight& f, Real inverse, Real depth, Vec3<Real> wi,
+                                        Real& y) {
     const Real to = multiply_add(f.remaining * inverse, wi.z, y);
     const Mask inside = f.flies & ((f.down & (to < depth)) | without(to > Real(0), f.down));
     f.collides = f.collides | inside;
     y = select(inside, to, y);
     f.flies = without(f.flies, inside);
-    if (!any(f.flies)) return false;
+    return any(f.flies);
+  }
+  /// What is left of the flight beyond a layer.
+  LAMELLA_INLINE void spend(Flight& f, Real inverse, Real depth, Real y) const {
     const Real way = select(f.down, depth - y, y);
     // Of a half space that is left downwards nothing remains to be crossed.
     Real spent = min(way * f.inverse_mu, Real(1e30));
     if (has_vmf || has_sggx) spent = spent * reciprocal(inverse);
     f.remaining = nonnegative(f.remaining - spent);
+  }
+  /// Through one layer, or to a collision in it; whether any lane flies on.
+  LAMELLA_INLINE bool cross(Flight& f, Vec3<Real> wi, Words& layer, Real& y) const {
+    const Real inverse = inverse_area(layer, wi), depth = lookup(t.layers->value[kDepth], layer);
+    if (!flies_past(f, inverse, depth, wi, y)) return false;
+    spend(f, inverse, depth, y);
     const auto up_words = to_word_mask(without(f.flies, f.down)),
                down_words = to_word_mask(f.flies & f.down);
     layer = select(up_words, layer - Words(1u), select(down_words, layer + Words(1u), layer));
