@@ -12,7 +12,8 @@ TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jso
 TEST_PACKAGES += $(if $(shell command -v npm),,nodejs npm)
 FORMAT_PACKAGES := clang clang-format clang-tidy
 
-# The quick subset that `make test` also runs with sanitizers; `make asan` runs everything.
+# The quick subset that `make test` also runs with sanitizers, with lanes of one instruction set;
+# `make asan` runs everything.
 SANITIZED := StackFile|StackFuzz|Ledger|Simulation|Random|HalfVector
 
 # `make test CCACHE=ccache`: a compiler cache in the place of precompiled headers, which it cannot
@@ -28,7 +29,7 @@ demo: release
 
 test: install-test-packages release
 	ctest --preset release
-	cmake --preset asan $(LAUNCHER)
+	cmake --preset asan $(LAUNCHER) -DLAMELLA_ISAS=avx2
 	cmake --build build/asan --target test_phase_stack test_phase_random test_phase_medium test_volume_run stack_fuzz
 	ctest --test-dir build/asan --output-on-failure -j2 -R '(^|/)($(SANITIZED))'
 
@@ -40,7 +41,7 @@ account: release
 	python3 tests/structure/loop_account.py build/release/lamella
 
 asan: install-test-packages
-	cmake --preset asan $(LAUNCHER)
+	cmake --preset asan $(LAUNCHER) "-DLAMELLA_ISAS=sse4;avx2;avx512"
 	cmake --build --preset asan
 	ctest --preset asan
 

@@ -8,11 +8,6 @@
 
 namespace lamella {
 
-std::string to_text(Order order) {
-  static const std::string names[] = {"1", "2", "3", "4+", "all", "0", "1+"};
-  return names[static_cast<int>(order)];
-}
-
 std::vector<ParameterInfo> parameters_of(const ModelInfo& info, const std::string& choice) {
   std::vector<ParameterInfo> all = info.parameters;
   if (info.selector.empty()) return all;

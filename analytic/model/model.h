@@ -9,18 +9,10 @@
 
 #include "analytic/model/directional_integral.h"
 #include "phase/lanes/isa.h"
+#include "phase/math/order.h"
 #include "phase/stack/stack.h"
 
 namespace lamella {
-
-/// The scattering orders that lobes are tallied by: 1, 2, 3, all from 4 on; then the sum of all;
-/// and where rough interfaces are, 0: light that met interfaces alone (a coat's own lobe), and all
-/// but that.
-enum class Order { one, two, three, four_plus, all, zero, scattered };
-inline constexpr int kOrders = 4, kLobeOrders = 7;
-
-/// "1", "2", "3", "4+", "all", "0", "1+"
-[[nodiscard]] std::string to_text(Order order);
 
 /// A named part of a closed form. `order` is the scattering order it stands for; Order::all if it
 /// stands for none in particular.

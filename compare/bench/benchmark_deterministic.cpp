@@ -91,7 +91,7 @@ void measure_cells(bool quick, std::uint64_t seed, Isa isa, const ReportRow& rep
   Simulation walks(stack, plan, benchmark_incident(), Estimator::analog, grid, seed);
   const double walk_seconds = seconds_of([&] { walks.advance(quick ? 1 << 12 : 1 << 17); });
   const RunResult walked = reduce(walks);
-  const LobeEstimate& all = walked.reflected.lobes[kTallyOrders];
+  const LobeEstimate& all = walked.reflected.lobes[Order::all];
   double noise = 0, signal = 0;
   for (std::size_t k = 0; k < all.value.size(); ++k) {
     noise += all.standard_error[k] * all.standard_error[k];

@@ -49,7 +49,7 @@ struct Growing {
   // Seconds to an error of 1 % of the cells, by time x variance.
   [[nodiscard]] double seconds_to_a_percent(Simulation& simulation) const {
     const double taken = advance_for(simulation, effort.accuracy_seconds);
-    const double error = noise_of(reduce(simulation).reflected.lobes[kTallyOrders]);
+    const double error = noise_of(reduce(simulation).reflected.lobes[Order::all]);
     return taken * error * error * 1e4;
   }
 

@@ -21,7 +21,7 @@ Cost measure(const Stack& stack, const Plan& plan, const BenchmarkEffort& effort
                         CellGrid{16, 32, true}, seed);
   const double taken = advance_for(simulation, effort.accuracy_seconds);
   const RunResult run = reduce(simulation);
-  const double cells = noise_of(run.reflected.lobes[kTallyOrders]);
+  const double cells = noise_of(run.reflected.lobes[Order::all]);
   const double energy = run.reflected.total[0].standard_error;
   return {taken * cells * cells, taken * energy * energy};
 }

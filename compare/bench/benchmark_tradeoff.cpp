@@ -45,7 +45,7 @@ void measure_estimator(const Stack& stack, Isa isa, Estimator estimator, double 
   double taken = 0;
   for (std::uint64_t walks = kFewestWalksPerBatch * kBatches; taken < seconds; walks *= 4) {
     taken += seconds_of([&] { simulation.advance(walks); });
-    const double error = noise_of(reduce(simulation).reflected.lobes[kTallyOrders]);
+    const double error = noise_of(reduce(simulation).reflected.lobes[Order::all]);
     if (error == 0) continue;
     BenchmarkRow row =
         row_of(stack.name, to_text(estimator), "walk", nanoseconds(taken, cells), error);
@@ -74,7 +74,7 @@ void measure_solver(const Stack& stack, double seconds, Isa isa, const ReportRow
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
     RunResult run;
     const double taken = seconds_of([&] { run = solved(stack, tolerance, seconds, isa); });
-    const double error = noise_of(run.reflected.lobes[kTallyOrders]);
+    const double error = noise_of(run.reflected.lobes[Order::all]);
     if (error == 0) continue;
     BenchmarkRow row = row_of(stack.name, to_text(Estimator::deterministic), "deterministic",
                               nanoseconds(taken, run.grid.cells()), error);
@@ -152,7 +152,7 @@ std::vector<JudgedClosedForm> judged_closed_forms(const Stack& stack, const Benc
   for (BoundModel& bound : fitted_models_for({}, stack))
     for (const LobeComparison& l : judge(truth, make_plan(stack), bound)) {
       if (l.order != Order::all || !l.reflected) continue;
-      const auto [low, high] = error_interval(l, noise_of(truth.run.reflected.lobes[kTallyOrders]));
+      const auto [low, high] = error_interval(l, noise_of(truth.run.reflected.lobes[Order::all]));
       list.push_back({std::move(bound), {l.relative_rmse_without_noise, low, high}});
       break;
     }

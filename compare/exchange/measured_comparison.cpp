@@ -23,8 +23,8 @@ RunResult run_of(const Model& measured, Direction wi, const CellGrid& cells) {
   const ProjectedLobes found =
       project(measured, measured_info("measured"), wi, run.grid, true, run.channels);
   LobeEstimate& lobe = run.reflected.lobes[kAll];
-  lobe.value = found.lobes[kOrders];
-  lobe.standard_error = found.errors[kOrders];
+  lobe.value = found.lobes[Order::all];
+  lobe.standard_error = found.errors[Order::all];
   const auto n = static_cast<std::size_t>(run.grid.cells());
   DeterministicAccuracy accuracy;
   accuracy.reached = true;

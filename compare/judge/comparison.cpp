@@ -26,8 +26,8 @@ std::vector<double> grouped_values(const std::vector<double>& values, const std:
 
 // A stochastic model's parts are dealt to the truth's batches, each taking its part's deviation
 // from the mean of all: the means stay, their covariance becomes that of the difference.
-void add_noise(BatchSums& sums,
-               const std::vector<std::array<std::vector<double>, kLobeOrders>>& parts, int order) {
+void add_noise(BatchSums& sums, const std::vector<OrderMap<std::vector<double>>>& parts,
+               int order) {
   if (parts.empty()) return;
   const std::size_t cells = parts[0][order].size(), batches = sums.sums.size();
   std::vector<double> mean(cells);
@@ -47,8 +47,8 @@ BatchSums same_in_batches(const std::vector<double>& values, std::size_t batches
 }
 
 // Standard errors of a stochastic model's cells.
-std::vector<double> noise_of_parts(
-    const std::vector<std::array<std::vector<double>, kLobeOrders>>& parts, int order) {
+std::vector<double> noise_of_parts(const std::vector<OrderMap<std::vector<double>>>& parts,
+                                   int order) {
   if (parts.empty()) return {};
   BatchSums sums = same_in_batches(std::vector<double>(parts[0][order].size()), parts.size());
   add_noise(sums, parts, order);

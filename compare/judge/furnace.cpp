@@ -30,8 +30,8 @@ FurnaceRun judge_bounded(const RunResult& run, bool white) {
     double energy = run.uncollided[c].value, bound = run.absorbed[c].standard_error;
     bound += run.lost[c].standard_error;
     for (const SideResult* side : {&run.reflected, &run.transmitted}) {
-      if (!side->lobes[kTallyOrders].value.empty()) energy += side->specular[c].value;
-      const LobeEstimate& all = side->lobes[kTallyOrders];
+      if (!side->lobes[Order::all].value.empty()) energy += side->specular[c].value;
+      const LobeEstimate& all = side->lobes[Order::all];
       const std::size_t cells = all.value.size() / run.channels;
       if (all.value.empty()) {  // the depth of a half space has no cells
         energy += side->total[c].value;
@@ -199,7 +199,7 @@ RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w)
   const double along[] = {w.z};
   const DeterministicEnergies entering = solution.energies(along)[0];
   const double node_error = solution.accuracy().node_error + solution.accuracy().second_error;
-  const double through = entering.transmitted[kTallyOrders].r + entering.uncollided.r;
+  const double through = entering.transmitted[Order::all].r + entering.uncollided.r;
   const double factor = std::expm1(stack.one_sidedness() * (w.z > 0 ? 1 : -1));
   check.predicted = 1 + factor * through;
   check.predicted_error =

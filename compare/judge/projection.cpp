@@ -22,7 +22,7 @@ constexpr double kPeakExtent = 2e-3;
 // Pairs of a call of a BatchedModel.
 constexpr std::size_t kBatchPairs = 1 << 16;
 
-using Values = std::vector<Rgb>;  // per order and all
+using Values = OrderMap<Rgb>;
 
 // Nodes and weights of the rule on [-1, 1].
 std::array<std::pair<double, double>, kPoints> gauss_rule() {
@@ -81,7 +81,7 @@ class CellIntegrator {
 
   // The cell's means with panels x panels panels in each of its pieces.
   [[nodiscard]] Values means(int cell, const std::vector<Piece>& pieces, int panels) const {
-    Values sums(kLobeOrders);
+    Values sums{};
     for (const Piece& piece : pieces) {
       const Values part = integrals(piece, panels);
       for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += part[o];
@@ -96,7 +96,7 @@ class CellIntegrator {
   [[nodiscard]] std::vector<Values> means(const std::vector<int>& cells,
                                           const std::vector<std::vector<Piece>>& pieces,
                                           int panels) const {
-    std::vector<Values> sums(cells.size(), Values(kLobeOrders));
+    std::vector<Values> sums(cells.size(), Values{});
     std::vector<DirectionPair> pairs;
     std::vector<std::pair<std::size_t, double>> places;  // of sums, and the weight there
     std::vector<Rgb> values;
@@ -104,7 +104,7 @@ class CellIntegrator {
       values.resize(pairs.size());
       model_.eval(pairs, values, Isa::scalar);
       for (std::size_t k = 0; k < pairs.size(); ++k)
-        sums[places[k].first][kOrders] += places[k].second * values[k];
+        sums[places[k].first][Order::all] += places[k].second * values[k];
       pairs.clear();
       places.clear();
     };
@@ -119,7 +119,7 @@ class CellIntegrator {
       }
     if (!pairs.empty()) evaluate();
     if (info_.lobes[0].order != Order::all)
-      for (Values& v : sums) v[static_cast<int>(info_.lobes[0].order)] = v[kOrders];
+      for (Values& v : sums) v[info_.lobes[0].order] = v[Order::all];
     return sums;
   }
 
@@ -143,15 +143,14 @@ class CellIntegrator {
 
   // Of f mu dmu dphi; steps in mu, where f is smooth down to 0.
   [[nodiscard]] Values integrals(const Piece& piece, int panels) const {
-    Values sums(kLobeOrders);
+    Values sums{};
     std::vector<Rgb> lobes(info_.lobes.size());
     visit(piece, panels, [&](Direction wo, double weight) {
       model_.eval_lobes(wi_, wo, lobes);
       for (std::size_t k = 0; k < lobes.size(); ++k) {
         const Rgb part = weight * lobes[k];
-        sums[kOrders] += part;
-        if (info_.lobes[k].order != Order::all)
-          sums[static_cast<int>(info_.lobes[k].order)] += part;
+        sums[Order::all] += part;
+        if (info_.lobes[k].order != Order::all) sums[info_.lobes[k].order] += part;
       }
     });
     for (Rgb& sum : sums) sum = area_of(piece, panels) * sum;
@@ -200,7 +199,7 @@ class CellIntegrator {
 
 // |a - b| per order and channel.
 Values change(const Values& a, const Values& b) {
-  Values d(a.size());
+  Values d{};
   for (std::size_t o = 0; o < a.size(); ++o)
     for (int c = 0; c < 3; ++c) d[o][c] = std::abs(a[o][c] - b[o][c]);
   return d;
@@ -216,9 +215,8 @@ bool close(const Values& a, const Values& b, const Values& scale) {
   return true;
 }
 
-std::array<std::vector<double>, kLobeOrders> by_channel(const std::vector<Values>& cells,
-                                                        int channels) {
-  std::array<std::vector<double>, kLobeOrders> lobes;
+OrderMap<std::vector<double>> by_channel(const std::vector<Values>& cells, int channels) {
+  OrderMap<std::vector<double>> lobes;
   for (std::size_t o = 0; o < lobes.size(); ++o)
     for (int c = 0; c < channels; ++c)
       for (const Values& cell : cells) lobes[o].push_back(cell[o][c]);
@@ -243,7 +241,7 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   else
     tbb::parallel_for(0, cells,
                       [&](int cell) { coarse[cell] = integrator.means(cell, pieces[cell], 1); });
-  Values scale(kLobeOrders);
+  Values scale{};
   for (const Values& v : coarse)
     for (int o = 0; o < kLobeOrders; ++o)
       for (int c = 0; c < 3; ++c) scale[o][c] += std::abs(v[o][c]) / cells;
@@ -253,7 +251,7 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >
            kProjectionSeconds;
   };
-  const Values nothing(kLobeOrders);
+  const Values nothing{};
   std::vector<Values> open(cells, nothing);
   // Takes the finer means of a cell; whether they are fine enough.
   const auto refine = [&](int cell, const Values& fine) {
@@ -285,8 +283,8 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
         throw std::domain_error(info.name + ": its mean over a cell is not finite");
 
   ProjectedLobes result;
-  result.has[kOrders] = true;
-  for (const LobeInfo& lobe : info.lobes) result.has[static_cast<int>(lobe.order)] = true;
+  result.has[Order::all] = true;
+  for (const LobeInfo& lobe : info.lobes) result.has[lobe.order] = true;
 
   result.lobes = by_channel(coarse, channels);
   result.errors = by_channel(open, channels);

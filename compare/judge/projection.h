@@ -11,13 +11,13 @@ namespace lamella {
 /// A closed form on the cells of one side: cosine-weighted means of f [1/sr], [channel][cell], per
 /// order in the sequence of Order: of the lobes that stand for it, and all.
 struct ProjectedLobes {
-  std::array<std::vector<double>, kLobeOrders> lobes;
-  std::array<bool, kLobeOrders> has{};  ///< whether the model has a lobe of that order; all: true
+  OrderMap<std::vector<double>> lobes;
+  OrderMap<bool> has{};  ///< whether the model has a lobe of that order; all: true
   /// The error that refinement left, per cell like the values: the last change, 0 where that is
   /// within kProjectionTolerance. Jumps, noise and features narrower than a panel leave an error.
-  std::array<std::vector<double>, kLobeOrders> errors;
+  OrderMap<std::vector<double>> errors;
   /// Of a stochastic model: lobes of independent estimates, whose scatter is the model's noise.
-  std::vector<std::array<std::vector<double>, kLobeOrders>> parts;
+  std::vector<OrderMap<std::vector<double>>> parts;
 };
 
 /// Relative accuracy of a projected cell: a comparison does not count smaller differences.

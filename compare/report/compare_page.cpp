@@ -50,7 +50,7 @@ Json compare_page_details(const std::vector<RunResult>& runs,
     for (const bool reflected : {true, false}) {
       const SideResult& side = reflected ? runs[k].reflected : runs[k].transmitted;
       for (const Order order : orders) {
-        const LobeEstimate& lobe = side.lobes[static_cast<int>(order)];
+        const LobeEstimate& lobe = side.lobes[order];
         if (lobe.value.empty()) continue;
         truth[key_of(k, reflected, order)] = {{"f", base64_floats(lobe.value)},
                                               {"se", base64_floats(lobe.standard_error)}};

@@ -17,9 +17,9 @@ namespace {
 
 std::string side_name(bool reflected) { return reflected ? "reflect" : "transmit"; }
 
-std::string lobe_name(int order) {
-  static const char* const names[] = {"order1", "order2", "order3",    "order4plus",
-                                      "all",    "order0", "order1plus"};
+std::string lobe_name(Order order) {
+  static const OrderMap<std::string> names{
+      {"order1", "order2", "order3", "order4plus", "all", "order0", "order1plus"}};
   return names[order];
 }
 
@@ -27,7 +27,7 @@ std::string channel_letter(int channels, int c) {
   return channels == 1 ? "Y" : std::string(1, "RGB"[c]);
 }
 
-void add(ExrImage& image, int run, bool reflected, int order, const std::string& part,
+void add(ExrImage& image, int run, bool reflected, Order order, const std::string& part,
          const std::vector<double>& values, int channels) {
   const std::size_t cells = values.size() / channels;
   for (int c = 0; c < channels; ++c)
@@ -114,8 +114,8 @@ ExrImage simulation_image(const TruthRequest& request, const std::vector<RunResu
       for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
         if (side.lobes[o].value.empty()) continue;
         const int n = static_cast<int>(k);
-        add(image, n, reflected, o, "", side.lobes[o].value, runs[k].channels);
-        add(image, n, reflected, o, "se", side.lobes[o].standard_error, runs[k].channels);
+        add(image, n, reflected, static_cast<Order>(o), "", side.lobes[o].value, runs[k].channels);
+        add(image, n, reflected, static_cast<Order>(o), "se", side.lobes[o].standard_error, runs[k].channels);
       }
     }
   add_plain_channels(image);
@@ -127,7 +127,8 @@ ExrImage comparison_image(const TruthRequest& request, const std::vector<RunResu
   ExrImage image = empty_image(request, runs);
   image.attributes["lamella.model"] = model;
   for (const LobeComparison& l : lobes) {
-    const int run = index_of(runs, l.wi), order = static_cast<int>(l.order);
+    const int run = index_of(runs, l.wi);
+    const Order order = l.order;
     const int channels = static_cast<int>(l.energy_truth.size());
     std::vector<double> difference(l.truth.size());
     for (std::size_t k = 0; k < difference.size(); ++k) difference[k] = l.model[k] - l.truth[k];
@@ -201,7 +202,7 @@ int write_comparison_pictures(const std::string& folder, const std::string& mode
     picture.transmitted = !l.reflected;
     picture.bounded = l.bounded;
     write_pictures(fmt::format("{}/{}_wi{}_{}_{}", folder, model, run, side_name(l.reflected),
-                               lobe_name(static_cast<int>(l.order))),
+                               lobe_name(l.order)),
                    formats, [&](PictureFormat format) { return draw_lobe(picture, format); });
     ++count;
   }

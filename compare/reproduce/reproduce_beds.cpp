@@ -47,7 +47,7 @@ ProjectedLobes projected(const std::string& request, const Stack* stack, Directi
 
 // The lobe of all orders.
 LobeEstimate without_error(const ProjectedLobes& lobes) {
-  const std::vector<double>& all = lobes.lobes[kTallyOrders];
+  const std::vector<double>& all = lobes.lobes[Order::all];
   return {all, std::vector<double>(all.size())};
 }
 
@@ -98,9 +98,9 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
     const RelativeError first =
         relative_error(without_error(projected("single_scattering", &medium, wi, grains.grid)),
                        grains.reflected.lobes[0].value, grains.reflected.lobes[0].standard_error);
-    const LobeEstimate& bed_all = grains.reflected.lobes[kTallyOrders];
+    const LobeEstimate& bed_all = grains.reflected.lobes[Order::all];
     const RelativeError medium_all =
-        relative_error(flat.reflected.lobes[kTallyOrders], bed_all.value, bed_all.standard_error);
+        relative_error(flat.reflected.lobes[Order::all], bed_all.value, bed_all.standard_error);
     const RelativeError brdf = relative_error(
         without_error(projected(fmt::format("lambert_sphere_three_term,albedo={}", kAlbedo),
                                 nullptr, wi, grains.grid)),
@@ -178,7 +178,7 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
       const RunResult run = walked(bed, wi, kCells, walks, context);
       const double leaks = run.transmitted.total[0].value + run.uncollided[0].value;
       const RelativeError one = relative_error(run.reflected.lobes[0], model.lobes[0]);
-      const RelativeError all = relative_error(run.reflected.lobes[kTallyOrders], model.lobes[4]);
+      const RelativeError all = relative_error(run.reflected.lobes[Order::all], model.lobes[4]);
       if (context.table) {
         fmt::print(
             context.table,

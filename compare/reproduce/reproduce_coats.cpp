@@ -30,7 +30,7 @@ double normal_reflectance(const std::string& toml) {
   const double normal[] = {1};
   return solve_deterministic(figure_stack("remap", toml), {.tolerance = 1e-3})
       .energies(normal)[0]
-      .reflected[4]
+      .reflected[Order::all]
       .g;
 }
 

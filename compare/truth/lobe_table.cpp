@@ -156,7 +156,7 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool mu
         const double x = place - i, angle = kPi - azimuth(wi);
         const auto value = [&](int node) {
           return field.multiple(static_cast<std::size_t>(node), static_cast<std::size_t>(o), angle)
-              .order[4];
+              .order[Order::all];
         };
         rest_.at(o, a, b) = (1 - x) * value(i) + x * value(i + 1);
       }
@@ -169,7 +169,7 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool mu
   for (const DeterministicEnergies& e : solution.energies(out)) {
     RestEnergy energy;
     // Beams are in no table.
-    energy.total = e.reflected[4] - e.specular_of[4];
+    energy.total = e.reflected[Order::all] - e.specular_of[Order::all];
     energy.direct = energy.total - (e.reflected[0] - e.specular_of[0]);
     for (int c = 0; c < 3; ++c) {
       energy.direct_error[c] = closed_ == Closed::order_one ? reached * energy.direct[c] : kUnknown;

@@ -30,7 +30,7 @@ class Stopwatch {
 double cell_variance(const RunResult& run) {
   double sum = 0;
   for (const SideResult* side : {&run.reflected, &run.transmitted})
-    for (const double se : side->lobes[kTallyOrders].standard_error)
+    for (const double se : side->lobes[Order::all].standard_error)
       if (std::isfinite(se)) sum += se * se;
   return sum;
 }

@@ -153,7 +153,7 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
       const Direction wo = with_grazing_limit(pairs[order[from]].wo);
       const DeterministicValue multiple =
           field.multiple_refined(in.at(wi.z), out.at(wo.z), kPi - relative_azimuth(wi, wo));
-      values[order[from]] = {multiple.order[4] + closed_orders(stack, wi, wo).all(),
+      values[order[from]] = {multiple.order[Order::all] + closed_orders(stack, wi, wo).all(),
                              multiple.error};
     }
   }

@@ -34,14 +34,29 @@ bool machine_runs(Isa isa) {
   }
 }
 
+bool is_compiled(Isa isa) {
+#ifdef LAMELLA_WITHOUT_SSE4
+  if (isa == Isa::sse4) return false;
+#endif
+#ifdef LAMELLA_WITHOUT_AVX2
+  if (isa == Isa::avx2) return false;
+#endif
+#ifdef LAMELLA_WITHOUT_AVX512
+  if (isa == Isa::avx512) return false;
+#endif
+  static_cast<void>(isa);
+  return true;
+}
+
 Isa named(std::string_view text, const char* where) {
   for (const Isa isa : {Isa::scalar, Isa::sse4, Isa::avx2, Isa::avx512}) {
     if (text != kNames[static_cast<int>(isa)]) continue;
     if (is_supported(isa)) return isa;
     std::string allowed = "auto";
     for (const Isa other : supported_isas()) allowed += ", " + to_text(other);
-    throw std::invalid_argument(fmt::format(
-        "{}: found \"{}\", which this machine lacks; allowed here: {}", where, text, allowed));
+    throw std::invalid_argument(
+        fmt::format("{}: found \"{}\", which {} lacks; allowed here: {}", where, text,
+                    is_compiled(isa) ? "this machine" : "this build", allowed));
   }
   throw std::invalid_argument(
       fmt::format("{}: found \"{}\"; allowed: auto, scalar, sse4, avx2, avx512", where, text));
@@ -55,7 +70,7 @@ const std::vector<Isa>& supported_isas() {
   static const std::vector<Isa> list = [] {
     std::vector<Isa> found;
     for (const Isa isa : {Isa::scalar, Isa::sse4, Isa::avx2, Isa::avx512})
-      if (machine_runs(isa)) found.push_back(isa);
+      if (is_compiled(isa) && machine_runs(isa)) found.push_back(isa);
     return found;
   }();
   return list;

@@ -302,8 +302,8 @@ class Refinement {
           side.lobes[k + 1].standard_error[at] = error;
           all += solved.value[k][cell];
         }
-        side.lobes[kTallyOrders].value[at] = all;
-        side.lobes[kTallyOrders].standard_error[at] = error + first.error[c];
+        side.lobes[Order::all].value[at] = all;
+        side.lobes[Order::all].standard_error[at] = error + first.error[c];
       }
   }
 

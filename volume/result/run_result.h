@@ -19,20 +19,17 @@ struct LobeEstimate {
   std::vector<double> value, standard_error;
 };
 
-/// Among SideResult::lobes, those of order 0 and of orders 1 and up.
-inline constexpr int kZeroLobe = kTallyOrders + 1, kScatteredLobe = kTallyOrders + 2;
-
 /// The light that leaves on one side, for one incident direction.
 struct SideResult {
   std::array<Estimate, 3> total{};     ///< share of the light that leaves on this side, per channel
   std::array<Estimate, 3> specular{};  ///< the part of `total` that met deltas only
   std::array<Estimate, 3> zero{};      ///< of order 0: interfaces alone, `uncollided` apart
   std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
-  /// Lobes 1, 2, 3, 4+, all (kTallyOrders); where a rough interface makes a lobe of order 0, that
-  /// one and the sum of the others. Empty if light cannot leave here. Deltas are in none.
-  std::array<LobeEstimate, kTallyOrders + 3> lobes{};
+  /// Those of order 0 and of orders 1 and up only where a rough interface makes a lobe of order 0.
+  /// Empty if light cannot leave here. Deltas are in none.
+  OrderMap<LobeEstimate> lobes{};
 
-  [[nodiscard]] bool has_zero_lobe() const { return !lobes[kZeroLobe].value.empty(); }
+  [[nodiscard]] bool has_zero_lobe() const { return !lobes[Order::zero].value.empty(); }
 };
 
 /// The result for one incident direction, whichever estimator found it. In a result of the

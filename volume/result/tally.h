@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "phase/math/direction.h"
+#include "phase/math/order.h"
 
 namespace lamella {
 
-/// Orders are tallied as 1, 2, 3, and 4 and above.
-inline constexpr int kTallyOrders = 4;
 /// Slot of order 0, light that met interfaces alone: the last one, and only where there are some.
 inline constexpr int kZeroSlot = kTallyOrders;
 

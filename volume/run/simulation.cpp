@@ -249,9 +249,9 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
         };
         const Estimate e = batch_estimate(batches, [&](const BatchTally& b) {
           if (o < kTallyOrders) return b.f[slot(o)];
-          if (o == kZeroLobe) return b.f[slot(kZeroSlot)];
+          if (o == place(Order::zero)) return b.f[slot(kZeroSlot)];
           double sum = 0;
-          const int end = o == kScatteredLobe ? kTallyOrders : slots;
+          const int end = o == place(Order::scattered) ? kTallyOrders : slots;
           for (int order = 0; order < end; ++order) sum += b.f[slot(order)];
           return sum;
         });

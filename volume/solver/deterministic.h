@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "phase/lanes/isa.h"
+#include "phase/math/order.h"
 #include "phase/stack/stack.h"
 #include "volume/result/accuracy.h"
 
@@ -44,14 +45,14 @@ struct DeterministicOptions {
   SolverReport report{};
 };
 
-/// Scattering orders 1, 2, 3, 4 and more, all.
-inline constexpr int kSolvedOrders = 5;
+/// The places of an OrderMap that the solver fills in every stack: orders `one` to `all`.
+inline constexpr int kSolvedOrders = place(Order::all) + 1;
 
 /// f [1/sr] by order; deltas are left out. Where a boundary is rough all of them hold what
 /// ClosedOrders leaves.
 struct DeterministicValue {
-  std::array<Rgb, kSolvedOrders> order;
-  Rgb zero;   ///< of order 0, light that met boundaries alone; part of order[4]
+  OrderMap<Rgb> order;
+  Rgb zero;   ///< of order 0, light that met boundaries alone; part of the sum
   Rgb error;  ///< absolute, of all orders together: nodes, and this pair's own tail of modes
   bool exact_second = false;  ///< order 2 was integrated directly
 };
@@ -59,18 +60,19 @@ struct DeterministicValue {
 /// Shares of what arrives from one direction. absorbed follows from the absorption in the layers,
 /// not from the others, so that their sum is a check.
 struct DeterministicEnergies {
-  std::array<Rgb, kSolvedOrders> reflected, transmitted;
+  OrderMap<Rgb> reflected, transmitted;
   Rgb uncollided, absorbed;
   /// Lost to the depth of a half space (one-sided flakes that face down), by order like the others.
-  std::array<Rgb, kSolvedOrders> escaped;
+  OrderMap<Rgb> escaped;
   /// Of order 0, which has met boundaries alone; part of the sums over all orders.
   Rgb zero_reflected, zero_transmitted, zero_escaped;
-  /// The part of what is reflected that is a delta: orders 1, 2, 3, 4+, all, 0.
-  std::array<Rgb, kSolvedOrders + 1> specular_of;
+  /// The part of what is reflected that is a delta; `zero` too.
+  OrderMap<Rgb> specular_of;
   Rgb lost;  ///< by single scattering at rough boundaries
 
   [[nodiscard]] Rgb sum() const {
-    return reflected[4] + transmitted[4] + uncollided + absorbed + escaped[4] + lost;
+    return reflected[Order::all] + transmitted[Order::all] + uncollided + absorbed +
+           escaped[Order::all] + lost;
   }
 };
 

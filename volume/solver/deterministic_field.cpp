@@ -94,7 +94,7 @@ DeterministicValue DeterministicField::multiple_refined(std::size_t i, std::size
 DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, double x,
                                                 bool may_integrate) const {
   struct Sums {
-    std::array<double, kSolvedOrders> order{};
+    OrderMap<double> order{};
     double zero = 0, error = 0;
     bool exact = false;
   };
@@ -157,7 +157,7 @@ DeterministicValue DeterministicField::evaluate(std::size_t i, std::size_t o, do
       sum.error += left_out + (c.second && !integrated ? second_error_ * scale : 0);
     }
     sum.order = {first, second + second_rest, third, higher, second + second_rest + third + higher};
-    if (!is_first_closed_) sum.order[4] += first + zero;
+    if (!is_first_closed_) sum.order[Order::all] += first + zero;
     sum.zero = zero;
   }
   DeterministicValue value;
@@ -279,7 +279,7 @@ DeterministicValue DeterministicSolution::f(Direction wi, Direction wo) const {
   const ClosedOrders closed = closed_orders(stack_, wi, wo);
   value.order[0] += closed.one;
   value.zero += closed.zero;
-  value.order[4] += closed.all();
+  value.order[Order::all] += closed.all();
   return value;
 }
 
@@ -324,8 +324,8 @@ std::vector<DeterministicEnergies> DeterministicSolution::energies(
         if (stack_.is_half_space()) e.zero_escaped[channel] = zero_transmitted;
         for (int order = 1; order < kSeries; ++order)
           e.specular_of[order - 1][channel] = beam(order);
-        e.specular_of[4][channel] = beam(0);
-        e.specular_of[5][channel] = beam(kOrderZero);
+        e.specular_of[Order::all][channel] = beam(0);
+        e.specular_of[Order::zero][channel] = beam(kOrderZero);
         e.specular_of[3][channel] = beam(0) - beam(1) - beam(2) - beam(3) - beam(kOrderZero);
         e.uncollided[channel] = side.direct[place];
         e.absorbed[channel] = side.absorbed[place];

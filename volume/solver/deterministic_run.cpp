@@ -60,7 +60,7 @@ struct Assembly {
     const std::size_t cells = grid.cells();
     for (LobeEstimate& lobe : side.lobes) {
       // Lobes of order 0 and of orders 1 and up: only where a rough boundary makes one of order 0.
-      if (&lobe >= &side.lobes[kZeroLobe] && is_first_closed(solution.stack())) continue;
+      if (&lobe >= &side.lobes[Order::zero] && is_first_closed(solution.stack())) continue;
       lobe.value.assign(channels * cells, 0);
       lobe.standard_error.assign(channels * cells, 0);
     }
@@ -112,16 +112,16 @@ struct Assembly {
             const double rest = sum_of(means.mode[kZeroInModes]);
             side.lobes[0].value[k] += first;
             side.lobes[0].standard_error[k] += means.error;
-            side.lobes[kZeroLobe].value[k] = zero[cell].value[c] + rest;
-            side.lobes[kZeroLobe].standard_error[k] = zero[cell].error[c] + means.error;
+            side.lobes[Order::zero].value[k] = zero[cell].value[c] + rest;
+            side.lobes[Order::zero].standard_error[k] = zero[cell].error[c] + means.error;
             all += first;
-            side.lobes[kScatteredLobe].value[k] = all;
-            side.lobes[kScatteredLobe].standard_error[k] = error;
+            side.lobes[Order::scattered].value[k] = all;
+            side.lobes[Order::scattered].standard_error[k] = error;
             all += rest + zero[cell].value[c];
             error += zero[cell].error[c];
           }
-          side.lobes[kTallyOrders].value[k] = all;
-          side.lobes[kTallyOrders].standard_error[k] = error;
+          side.lobes[Order::all].value[k] = all;
+          side.lobes[Order::all].standard_error[k] = error;
           if (means.scale != 0) worst = larger_error(worst, error / means.scale);
         }
       }
@@ -148,7 +148,7 @@ struct Assembly {
   }
 
   struct SideEnergies {
-    const std::array<Rgb, kSolvedOrders>& orders;
+    const OrderMap<Rgb>& orders;
     Rgb zero;
     const DeterministicEnergies* beams;  // of the side that has them
   };
@@ -161,7 +161,7 @@ struct Assembly {
         side.orders[o][c] = energy(on_nodes.orders[o][c], beam(o), side, o, c);
       side.total[c] =
           energy(on_nodes.orders[kTallyOrders][c], beam(kTallyOrders), side, kTallyOrders, c);
-      side.zero[c] = energy(on_nodes.zero[c], beam(kTallyOrders + 1), side, kZeroLobe, c);
+      side.zero[c] = energy(on_nodes.zero[c], beam(kTallyOrders + 1), side, place(Order::zero), c);
       side.specular[c] = {beam(kTallyOrders), 0};
     }
   }

@@ -87,12 +87,12 @@ TEST(Projection, OfLambertIsAlbedoOverPiInEveryCell) {
   for (const double theta : {0.0, 60.0, 90.0}) {
     const ProjectedLobes lobes =
         project(*model, *find_model("lambert"), direction_from_degrees(theta, 0), kGrid, true, 3);
-    EXPECT_TRUE(lobes.has[kOrders]);
+    EXPECT_TRUE(lobes.has[Order::all]);
     EXPECT_FALSE(lobes.has[0]);
-    ASSERT_EQ(lobes.lobes[kOrders].size(), 3u * kGrid.cells());
+    ASSERT_EQ(lobes.lobes[Order::all].size(), 3u * kGrid.cells());
     for (int c = 0; c < 3; ++c)
       for (int k = 0; k < kGrid.cells(); ++k)
-        EXPECT_NEAR(lobes.lobes[kOrders][c * kGrid.cells() + k],
+        EXPECT_NEAR(lobes.lobes[Order::all][c * kGrid.cells() + k],
                     parameters.color("albedo")[c] / kPi, 1e-15);
   }
 }
@@ -110,7 +110,7 @@ TEST(Projection, OfSingleScatteringAddsUpToItsDirectionalAlbedo) {
         for (const bool reflected : {true, false}) {
           const auto lobes = single_scattering(stack, wi, kGrid, reflected);
           for (int k = 0; k < kGrid.cells(); ++k)
-            sum += kGrid.projected_solid_angle() * lobes.lobes[kOrders][c * kGrid.cells() + k];
+            sum += kGrid.projected_solid_angle() * lobes.lobes[Order::all][c * kGrid.cells() + k];
         }
         // The projection is refined until a cell changes by less than 1e-4.
         EXPECT_NEAR(sum / albedo[c], 1, 1e-4) << name << ' ' << theta << ' ' << c;
@@ -195,7 +195,7 @@ TEST(Comparison, TakesNoArrivalsForAgreementWithNextToNothing) {
 TEST(Comparison, TakesNoArrivalsForADifferenceWhereTheModelHasLight) {
   const Setting setting(spheres("0", "inf"), 0);
   ProjectedLobes model = setting.exact[0];
-  for (double& f : model.lobes[kOrders]) f = 0.1 / kPi;
+  for (double& f : model.lobes[Order::all]) f = 0.1 / kPi;
   Simulation simulation(setting.stack, setting.plan, setting.wi, Estimator::analog, kGrid, 1);
   simulation.advance(1000);
   auto lobes = compare(reduce(simulation), &simulation, model, true);
@@ -287,9 +287,9 @@ TEST(Comparison, SplitModelsAddUpToTheWhole) {
   ASSERT_EQ(lobes.parts.size(), static_cast<std::size_t>(kBatches));
   for (int cell = 0; cell < kGrid.cells(); ++cell) {
     double mean = 0;
-    for (const auto& part : lobes.parts) mean += part[kOrders][cell] / kBatches;
+    for (const auto& part : lobes.parts) mean += part[Order::all][cell] / kBatches;
     // The parts' cells are quadrature of 4 x 4 points.
-    EXPECT_NEAR(mean, lobes.lobes[kOrders][cell], 0.01 * mean) << cell;
+    EXPECT_NEAR(mean, lobes.lobes[Order::all][cell], 0.01 * mean) << cell;
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 double energy_of(const Model& model, const ModelInfo& info, Direction wi, const CellGrid& grid) {
   const ProjectedLobes lobes = project(model, info, wi, grid, true, 1);
-  const std::vector<double>& all = lobes.lobes[kOrders];
+  const std::vector<double>& all = lobes.lobes[Order::all];
   return std::accumulate(all.begin(), all.end(), 0.0) * grid.projected_solid_angle();
 }
 

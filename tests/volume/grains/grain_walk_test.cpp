@@ -53,10 +53,10 @@ TEST(GrainWalk, WhiteGrainsLoseNothingAndEveryLedgerSumsToOne) {
           const SideResult& side = reflected ? other.reflected : other.transmitted;
           if (side.lobes[0].value.empty()) continue;
           Estimate lobe;
-          for (std::size_t k = 0; k < side.lobes[kTallyOrders].value.size(); ++k) {
-            lobe.value += other.grid.projected_solid_angle() * side.lobes[kTallyOrders].value[k];
+          for (std::size_t k = 0; k < side.lobes[Order::all].value.size(); ++k) {
+            lobe.value += other.grid.projected_solid_angle() * side.lobes[Order::all].value[k];
             lobe.standard_error +=  // errors of cells are correlated: their sum bounds it
-                other.grid.projected_solid_angle() * side.lobes[kTallyOrders].standard_error[k];
+                other.grid.projected_solid_angle() * side.lobes[Order::all].standard_error[k];
           }
           EXPECT_LT(
               std::abs(lobe.value - side.total[0].value),
@@ -208,8 +208,8 @@ TEST(GrainWalk, BothEstimatorsAgreeOnGrainsOverALaw) {
   const Direction wi = direction_from_degrees(40, 0);
   const RunResult analog = simulate(stack, wi, Estimator::analog, 81920);
   const RunResult next_event = simulate(stack, wi, Estimator::next_event, 20480);
-  const LobeEstimate &a = analog.reflected.lobes[kTallyOrders],
-                     &b = next_event.reflected.lobes[kTallyOrders];
+  const LobeEstimate &a = analog.reflected.lobes[Order::all],
+                     &b = next_event.reflected.lobes[Order::all];
   for (std::size_t k = 0; k < a.value.size(); ++k)
     EXPECT_LT(
         std::abs(z_between({a.value[k], a.standard_error[k]}, {b.value[k], b.standard_error[k]})),

@@ -69,7 +69,8 @@ TEST(HarmonicSolution, IsThatOfTheSymmetricSolver) {
         const DeterministicValue f = exact.f(wi, wo);
         const auto found = solved.solution.f(wo);
         for (int k = 0; k < kHarmonicOrders; ++k)
-          EXPECT_NEAR(found[k], f.order[k + 1].r, c.tolerance * f.order[4].r + 2 * f.error.r)
+          EXPECT_NEAR(found[k], f.order[k + 1].r,
+                      c.tolerance * f.order[Order::all].r + 2 * f.error.r)
               << c.toml << " mu " << mu << " order " << k + 2;
       }
     }
@@ -241,7 +242,7 @@ TEST(HarmonicRun, AgreesWithWalksOnRandomStacks) {
       const SideResult &a = solved.*side, &b = found.*side;
       agree(a.total[0], b.total[0], "total");
       for (int o = 0; o < kTallyOrders; ++o) agree(a.orders[o][0], b.orders[o][0], "order");
-      const LobeEstimate &x = a.lobes[kTallyOrders], &y = b.lobes[kTallyOrders];
+      const LobeEstimate &x = a.lobes[Order::all], &y = b.lobes[Order::all];
       ASSERT_EQ(x.value.size(), y.value.size());
       for (std::size_t k = 0; k < x.value.size(); ++k)
         if (y.standard_error[k] > 0)

@@ -168,7 +168,7 @@ TEST(InterfaceWalk, AnIndexThatDoesNotChangeDoesNothing) {
   for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
     const RunResult a = simulate(bare, direction_from_mu_phi(0.6, 0), estimator, 4096);
     const RunResult b = simulate(with, direction_from_mu_phi(0.6, 0), estimator, 4096);
-    EXPECT_EQ(a.reflected.lobes[kTallyOrders].value, b.reflected.lobes[kTallyOrders].value);
+    EXPECT_EQ(a.reflected.lobes[Order::all].value, b.reflected.lobes[Order::all].value);
     EXPECT_EQ(a.transmitted.total[0].value, b.transmitted.total[0].value);
   }
 }
@@ -213,7 +213,7 @@ TEST(InterfaceWalk, AnalogAndNextEventAgree) {
       for (const bool reflected : {true, false}) {
         const SideResult& sa = reflected ? a.reflected : a.transmitted;
         const SideResult& sb = reflected ? b.reflected : b.transmitted;
-        for (const int lobe : {0, 1, kTallyOrders, kZeroLobe}) {
+        for (const int lobe : {0, 1, kTallyOrders, place(Order::zero)}) {
           ASSERT_EQ(sa.lobes[lobe].value.size(), sb.lobes[lobe].value.size());
           for (std::size_t k = 0; k < sa.lobes[lobe].value.size(); ++k) {
             const Estimate ea{sa.lobes[lobe].value[k], sa.lobes[lobe].standard_error[k]};
@@ -272,9 +272,9 @@ TEST(InterfaceWalk, LedgersAddUpAndOrdersToTheWhole) {
     }
     if (!run.reflected.has_zero_lobe()) continue;
     const auto& lobes = run.reflected.lobes;
-    for (std::size_t k = 0; k < lobes[kZeroLobe].value.size(); ++k)
-      EXPECT_NEAR(lobes[kZeroLobe].value[k] + lobes[kScatteredLobe].value[k],
-                  lobes[kTallyOrders].value[k], 1e-12);
+    for (std::size_t k = 0; k < lobes[Order::zero].value.size(); ++k)
+      EXPECT_NEAR(lobes[Order::zero].value[k] + lobes[Order::scattered].value[k],
+                  lobes[Order::all].value[k], 1e-12);
   }
 }
 
@@ -299,7 +299,7 @@ TEST(InterfaceWalk, TheWayInWhichARunAdvancesDoesNotMatter) {
     Simulation simulation(stack, make_plan(stack), direction_from_mu_phi(0.6, 0),
                           Estimator::next_event, {4, 4, false}, 1);
     for (const std::uint64_t stop : stops) simulation.advance(stop);
-    return reduce(simulation).reflected.lobes[kTallyOrders].value;
+    return reduce(simulation).reflected.lobes[Order::all].value;
   };
   EXPECT_EQ(run({5000}), run({1, 130, 777, 2048, 5000}));
 }

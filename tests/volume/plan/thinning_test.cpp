@@ -78,7 +78,7 @@ TEST(Thinning, FollowsTheBrightestChannel) {
   const Direction wi = direction_from_degrees(45, 0);
   const double mu[] = {wi.z};
   const Rgb exact =
-      solve_deterministic(stack, {.tolerance = 1e-6}).energies(mu).front().reflected[4];
+      solve_deterministic(stack, {.tolerance = 1e-6}).energies(mu).front().reflected[Order::all];
   EXPECT_NEAR(exact.g, 1, 1e-9);
   for (const Isa isa : {Isa::scalar, supported_isas().back()}) {
     plan.isa = isa;

@@ -24,9 +24,9 @@ RunResult run_of(const Stack& stack, const Plan& plan, Direction wi, Estimator e
 double seen(const SideResult& side, const RunResult& run, int channel) {
   const std::size_t cells = run.grid.cells();
   double sum = side.specular[channel].value;
-  if (side.lobes[kTallyOrders].value.empty()) return 0;
+  if (side.lobes[Order::all].value.empty()) return 0;
   for (std::size_t k = 0; k < cells; ++k)
-    sum += run.grid.projected_solid_angle() * side.lobes[kTallyOrders].value[channel * cells + k];
+    sum += run.grid.projected_solid_angle() * side.lobes[Order::all].value[channel * cells + k];
   return sum;
 }
 

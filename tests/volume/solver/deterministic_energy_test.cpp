@@ -72,7 +72,7 @@ TEST(DeterministicEnergy, TransmissionOfAWhiteSlabFallsLikeOneOverItsDepth) {
   for (const double thickness : {1e5, 1e6}) {
     const DeterministicSolution s =
         solve_deterministic(stack_of(layer(kIsotropic, 1, thickness)), {.tolerance = 1e-6});
-    scaled[k++] = s.energies(mu)[0].transmitted[4].r * (thickness + 1.42089);
+    scaled[k++] = s.energies(mu)[0].transmitted[Order::all].r * (thickness + 1.42089);
   }
   EXPECT_NEAR(scaled[1] / scaled[0], 1, 1e-9);
   // Milne's problem: the emergent radiance of a deep source is proportional to H(mu) / sqrt(3).
@@ -85,7 +85,7 @@ TEST(DeterministicEnergy, FlakesThatFaceDownLetLightEscapeToTheDepth) {
       {.tolerance = 1e-2, .min_nodes = 12, .max_nodes = 12});
   const double mu[] = {0.7};
   const DeterministicEnergies e = s.energies(mu)[0];
-  EXPECT_GT(e.escaped[4].r, 0.1);
+  EXPECT_GT(e.escaped[Order::all].r, 0.1);
   EXPECT_NEAR(e.sum().r, 1, 1e-10);
 }
 
@@ -96,7 +96,7 @@ TEST(DeterministicHardCase, AThinLayerIsSingleScattering) {
     const Direction wi = direction_from_mu_phi(0.6, 0), wo = direction_from_mu_phi(0.3, 2);
     const DeterministicValue f = s.f(wi, wo);
     EXPECT_EQ(f.order[0].r, single_scattering(stack, wi, wo).layers.r);
-    EXPECT_NEAR(f.order[4].r / f.order[0].r, 1, 2e-5);
+    EXPECT_NEAR(f.order[Order::all].r / f.order[0].r, 1, 2e-5);
     EXPECT_GT(f.order[1].r, 0);
     EXPECT_LT(f.order[2].r, 1e-4 * f.order[1].r);
   }
@@ -111,7 +111,7 @@ TEST(DeterministicHardCase, AThickLayerIsAHalfSpace) {
     for (const double thickness : {1e6, kInfinity})
       f[k++] = solve_deterministic(stack_of(layer(medium, 0.95, thickness)), options)
                    .f(wi, wo)
-                   .order[4]
+                   .order[Order::all]
                    .r;
     EXPECT_NEAR(f[0] / f[1], 1, 1e-13) << medium;
   }
@@ -129,8 +129,8 @@ TEST(DeterministicHardCase, StronglyForwardScatteringThickLayer) {
   const auto ea = a.energies(mu), eb = b.energies(mu);
   for (int k = 0; k < 2; ++k) {
     EXPECT_NEAR(ea[k].sum().r, 1, 1e-10);
-    EXPECT_NEAR(ea[k].reflected[4].r, eb[k].reflected[4].r, 1e-5);
-    EXPECT_NEAR(ea[k].transmitted[4].r, eb[k].transmitted[4].r, 1e-5);
+    EXPECT_NEAR(ea[k].reflected[Order::all].r, eb[k].reflected[Order::all].r, 1e-5);
+    EXPECT_NEAR(ea[k].transmitted[Order::all].r, eb[k].transmitted[Order::all].r, 1e-5);
   }
 }
 
@@ -139,11 +139,12 @@ TEST(DeterministicHardCase, GrazingDirectionsHaveALimit) {
     const DeterministicSolution s =
         solve_deterministic(stack_of(layer(medium, 0.9, 1)), {.tolerance = 1e-5});
     const Direction wi = direction_from_mu_phi(0.6, 0);
-    const double at = s.f(wi, direction_from_mu_phi(0, 2)).order[4].r;
-    const double near = s.f(wi, direction_from_mu_phi(1e-7, 2)).order[4].r;
+    const double at = s.f(wi, direction_from_mu_phi(0, 2)).order[Order::all].r;
+    const double near = s.f(wi, direction_from_mu_phi(1e-7, 2)).order[Order::all].r;
     EXPECT_NEAR(near / at, 1, 1e-5) << medium;
-    EXPECT_NEAR(s.f(direction_from_mu_phi(0, 0), direction_from_mu_phi(0.6, 2)).order[4].r / at, 1,
-                1e-9)
+    EXPECT_NEAR(
+        s.f(direction_from_mu_phi(0, 0), direction_from_mu_phi(0.6, 2)).order[Order::all].r / at, 1,
+        1e-9)
         << medium;
   }
 }

@@ -72,7 +72,7 @@ TEST(DeterministicAgainstWalk, RandomStacksAgreeAtPoints) {
         const SingleScattering single = single_scattering(stack, wi, points[k]);
         DeterministicValue f = field.multiple_refined(0, k, kPi - azimuth(points[k]));
         f.order[0] = single.layers + single.substrate;
-        f.order[4] += f.order[0];
+        f.order[Order::all] += f.order[0];
         for (int order = 0; order < kSolvedOrders; ++order) {
           const Estimate e = testing::point_estimate(walk, order, static_cast<int>(k),
                                                      static_cast<int>(points.size()));

@@ -114,7 +114,7 @@ TEST(DeterministicRun, CellsAreTheMeansOfTheValuesAtPoints) {
                   stack, incident[i], direction_from_mu_phi(mu_o[a], azimuth(incident[i]) + phi));
               DeterministicValue f = field.multiple(0, a, kPi - phi);
               f.order[0] = single.layers + single.substrate;
-              f.order[4] += f.order[0];
+              f.order[Order::all] += f.order[0];
               for (int o = 0; o < kSolvedOrders; ++o) mean[o] += weight * f.order[o].r;
             }
           const int columns = runs[i].grid.columns();

@@ -21,7 +21,7 @@ DeterministicSolution solved(const std::string& toml, double tolerance = 1e-7) {
 }
 
 double f_all(const DeterministicSolution& s, double mu_i, double mu_o, double phi = 0.7) {
-  return s.f(direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, phi)).order[4].r;
+  return s.f(direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, phi)).order[Order::all].r;
 }
 
 TEST(Deterministic, IsotropicSlabMatchesVanDeHulst1980Table12) {
@@ -60,8 +60,8 @@ TEST(Deterministic, IsotropicHalfSpaceIsTheProductOfHFunctions) {
     for (int i = 0; i < 4; ++i)
       for (int o = 0; o < 4; ++o) {
         const Direction wi = direction_from_mu_phi(mu[i], 0), wo = direction_from_mu_phi(mu[o], 1);
-        const double f =
-            field.multiple(i, o, kPi - 1).order[4].r + single_scattering(stack, wi, wo).layers.r;
+        const double f = field.multiple(i, o, kPi - 1).order[Order::all].r +
+                         single_scattering(stack, wi, wo).layers.r;
         const double expected = albedo / (4 * kPi) * h_function(albedo, mu[i]) *
                                 h_function(albedo, mu[o]) / (mu[i] + mu[o]);
         EXPECT_NEAR(f / expected, 1, 1e-8) << albedo << ' ' << mu[i] << ' ' << mu[o];
@@ -80,8 +80,8 @@ TEST(Deterministic, LambertSpheresAreStableToEightDigitsUnderRefinement) {
     for (int i = 0; i < 3; ++i)
       for (int o = 0; o < 3; ++o)
         for (const double x : {0.0, 1.0, 3.0})
-          EXPECT_NEAR(a.multiple(i, o, x).order[4].r, b.multiple(i, o, x).order[4].r,
-                      1e-8 * b.mean(0, i, o))
+          EXPECT_NEAR(a.multiple(i, o, x).order[Order::all].r,
+                      b.multiple(i, o, x).order[Order::all].r, 1e-8 * b.mean(0, i, o))
               << thickness << ' ' << mu[i] << ' ' << mu[o];
   }
 }
@@ -115,14 +115,16 @@ void expect_stable(const std::string& medium, double thickness, double tolerance
     if (!stack.is_open_below() && (mu_i < 0 || mu_o < 0)) continue;
     const Direction wi = direction_from_mu_phi(mu_i, 0), wo = direction_from_mu_phi(mu_o, kPi - x);
     const DeterministicValue a = coarse.f(wi, wo), b = fine.f(wi, wo);
-    const double change = std::abs(a.order[4].r - b.order[4].r);
+    const double change = std::abs(a.order[Order::all].r - b.order[Order::all].r);
     EXPECT_LE(change, a.error.r) << medium << ' ' << mu_i << ' ' << mu_o << ' ' << x;
-    EXPECT_LE(b.error.r, limit * b.order[4].r) << medium << ' ' << mu_i << ' ' << mu_o << ' ' << x;
+    EXPECT_LE(b.error.r, limit * b.order[Order::all].r)
+        << medium << ' ' << mu_i << ' ' << mu_o << ' ' << x;
     if (is_soak())
       std::printf(
           "%s, depth %g: f(%g, %g, x = %g) = %.10e, changes by %.1e, stated %.1e and %.1e\n",
-          medium.c_str(), thickness, mu_i, mu_o, x, b.order[4].r, change / b.order[4].r,
-          a.error.r / a.order[4].r, b.error.r / b.order[4].r);
+          medium.c_str(), thickness, mu_i, mu_o, x, b.order[Order::all].r,
+          change / b.order[Order::all].r, a.error.r / a.order[Order::all].r,
+          b.error.r / b.order[Order::all].r);
   }
   if (is_soak())
     std::printf("  %d and %d nodes, %d modes, accuracy %.1e%s, %.1f s\n", coarse.accuracy().nodes,
@@ -159,7 +161,8 @@ TEST(Deterministic, ReflectionIsReciprocal) {
       const DeterministicField field = s.field(mu, mu);
       for (int i = 0; i < 3; ++i)
         for (int o = 0; o < i; ++o)
-          EXPECT_NEAR(field.multiple(i, o, 0.5).order[4].r / field.multiple(o, i, 0.5).order[4].r,
+          EXPECT_NEAR(field.multiple(i, o, 0.5).order[Order::all].r /
+                          field.multiple(o, i, 0.5).order[Order::all].r,
                       1, 1e-10)
               << medium << mu[i] << ' ' << mu[o];
     }
@@ -209,7 +212,8 @@ TEST(Deterministic, ManyThinLayersEqualOne) {
   const DeterministicField a = many.field(mu_i, mu_o), b = one.field(mu_i, mu_o);
   for (int i = 0; i < 2; ++i)
     for (int o = 0; o < 3; ++o)
-      EXPECT_NEAR(a.multiple(i, o, 1).order[4].r / b.multiple(i, o, 1).order[4].r, 1, 1e-8)
+      EXPECT_NEAR(a.multiple(i, o, 1).order[Order::all].r / b.multiple(i, o, 1).order[Order::all].r,
+                  1, 1e-8)
           << mu_i[i] << ' ' << mu_o[o];
 }
 
@@ -239,7 +243,7 @@ TEST(Deterministic, OrdersScaleWithPowersOfTheAlbedo) {
     const DeterministicValue a = white.f(wi, wo), b = grey.f(wi, wo);
     double sum = 0;
     for (int order = 0; order < 4; ++order) sum += a.order[order].r;
-    EXPECT_NEAR(sum / a.order[4].r, 1, 1e-14);
+    EXPECT_NEAR(sum / a.order[Order::all].r, 1, 1e-14);
     for (int order = 0; order < 3; ++order)
       EXPECT_NEAR(b.order[order].r / a.order[order].r, std::pow(0.5, order + 1), 1e-12) << order;
   }
@@ -255,10 +259,10 @@ TEST(Deterministic, ChannelsAreIndependent) {
   const DeterministicSolution green = solve_deterministic(
       stack_of(layer(sggx(0.7, "mirror"), 0.5, 1) + lambert_ground(0.5)), options);
   const Direction wi = direction_from_mu_phi(0.6, 0), wo = direction_from_mu_phi(0.3, 2);
-  const Rgb value = s.f(wi, wo).order[4];
+  const Rgb value = s.f(wi, wo).order[Order::all];
   EXPECT_EQ(value.r, value.b);
   EXPECT_LT(value.r, value.g);
-  EXPECT_NEAR(value.g / green.f(wi, wo).order[4].r, 1, 1e-13);
+  EXPECT_NEAR(value.g / green.f(wi, wo).order[Order::all].r, 1, 1e-13);
 }
 
 TEST(Deterministic, BareGroundIsLambertian) {

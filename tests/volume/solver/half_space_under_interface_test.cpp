@@ -155,14 +155,14 @@ TEST(HalfSpaceUnderInterface, IsWhatTheSolverFinds) {
       for (const auto& [mu_i, mu_o] :
            {std::pair{1.0, 0.9}, {0.75, 0.95}, {0.8, 0.1}, {0.02, 0.7}}) {
         const double f =
-            s.f(direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, 1)).order[4].r;
+            s.f(direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, 1)).order[Order::all].r;
         const double expected = exact.f(mu_i, mu_o);
         EXPECT_NEAR(f, expected, 1e-8 * expected + 1e-15) << what << ' ' << mu_i << ' ' << mu_o;
       }
       const double list[] = {1, 0.75, 0.1};
       const auto energies = s.energies(list);
       for (std::size_t k = 0; k < std::size(list); ++k)
-        EXPECT_NEAR(energies[k].reflected[4].r, exact.reflected(list[k]), 1e-8)
+        EXPECT_NEAR(energies[k].reflected[Order::all].r, exact.reflected(list[k]), 1e-8)
             << what << ' ' << list[k];
     }
 }

@@ -79,14 +79,15 @@ TEST(InterfaceSolver, SmoothOverLambertIsTheClosedForm) {
       const std::string what = fmt::format("n {} tau {}", n, tau);
       for (const auto& [mu_i, mu_o] : {std::pair{0.6, 0.3}, {1.0, 0.9}, {0.05, 0.5}}) {
         const DeterministicValue v = s.f(up(mu_i), up(mu_o, 1));
-        EXPECT_NEAR(v.order[4].r / exact.f(mu_i, mu_o), 1, tau > 0 ? 2e-11 : 1e-12) << what;
+        EXPECT_NEAR(v.order[Order::all].r / exact.f(mu_i, mu_o), 1, tau > 0 ? 2e-11 : 1e-12)
+            << what;
         const double turn = 0.8 * exact.reflected_inside;
         EXPECT_NEAR(v.order[0].r / exact.f(mu_i, mu_o), 1 - turn, 1e-12) << what;
         EXPECT_NEAR(v.order[1].r / exact.f(mu_i, mu_o), (1 - turn) * turn, 1e-11) << what;
       }
       const DeterministicEnergies e = energies_of(s, 0.6);
-      EXPECT_NEAR(e.reflected[4].r, exact.reflects(0.6), tau > 0 ? 1e-11 : 1e-12) << what;
-      EXPECT_NEAR(e.specular_of[4].r, refraction(0.6, n).reflectance, 1e-15) << what;
+      EXPECT_NEAR(e.reflected[Order::all].r, exact.reflects(0.6), tau > 0 ? 1e-11 : 1e-12) << what;
+      EXPECT_NEAR(e.specular_of[Order::all].r, refraction(0.6, n).reflectance, 1e-15) << what;
       EXPECT_NEAR(e.sum().r, 1, 1e-13) << what;
     }
   // 1 - F_int = (1 - F_ext) / n^2.
@@ -96,11 +97,11 @@ TEST(InterfaceSolver, SmoothOverLambertIsTheClosedForm) {
 TEST(InterfaceSolver, PublishedValuesAreFound) {
   const DeterministicSolution slab = solved(layer(henyey_greenstein(0.75), 0.9, 2));
   const DeterministicEnergies e = energies_of(slab, 1);
-  EXPECT_NEAR(e.reflected[4].r, 0.09739, 1e-5);
-  EXPECT_NEAR(e.transmitted[4].r + e.uncollided.r, 0.66096, 1e-5);
+  EXPECT_NEAR(e.reflected[Order::all].r, 0.09739, 1e-5);
+  EXPECT_NEAR(e.transmitted[Order::all].r + e.uncollided.r, 0.66096, 1e-5);
   // Giovanelli 1955, the mirror image included.
   const DeterministicSolution half = solved(interface(1.5) + layer(kIsotropic, 0.9, kInfinity));
-  EXPECT_NEAR(energies_of(half, 1).reflected[4].r, 0.2600, 1e-4);
+  EXPECT_NEAR(energies_of(half, 1).reflected[Order::all].r, 0.2600, 1e-4);
 }
 
 TEST(InterfaceSolver, PlateWithNothingInsideSumsBounces) {
@@ -116,8 +117,10 @@ TEST(InterfaceSolver, PlateWithNothingInsideSumsBounces) {
 TEST(InterfaceSolver, IndexOneDoesNothing) {
   const std::string slab = layer(henyey_greenstein(0.5), 0.9, 1);
   const DeterministicSolution a = solved(slab, 1e-6), b = solved(interface(1) + slab, 1e-6);
-  EXPECT_EQ(a.f(up(0.6), up(0.3, 1)).order[4].r, b.f(up(0.6), up(0.3, 1)).order[4].r);
-  EXPECT_EQ(energies_of(a, 0.6).reflected[4].r, energies_of(b, 0.6).reflected[4].r);
+  EXPECT_EQ(a.f(up(0.6), up(0.3, 1)).order[Order::all].r,
+            b.f(up(0.6), up(0.3, 1)).order[Order::all].r);
+  EXPECT_EQ(energies_of(a, 0.6).reflected[Order::all].r,
+            energies_of(b, 0.6).reflected[Order::all].r);
 }
 
 TEST(InterfaceSolver, SmoothCoatsKeepReciprocityEnergyAndOrders) {
@@ -127,10 +130,11 @@ TEST(InterfaceSolver, SmoothCoatsKeepReciprocityEnergyAndOrders) {
     EXPECT_TRUE(s.accuracy().reached) << medium;
     const Direction a = up(0.6), b = up(0.35, 1.1), c = up(-0.7, 2);
     const DeterministicValue ab = s.f(a, b), ac = s.f(a, c), ca = s.f(c, a);
-    EXPECT_NEAR(s.f(b, a).order[4].r / ab.order[4].r, 1, 1e-12);
-    EXPECT_NEAR(ac.order[4].r / (1.2 * 1.2) / ca.order[4].r, 1, 1e-12);
+    EXPECT_NEAR(s.f(b, a).order[Order::all].r / ab.order[Order::all].r, 1, 1e-12);
+    EXPECT_NEAR(ac.order[Order::all].r / (1.2 * 1.2) / ca.order[Order::all].r, 1, 1e-12);
     for (const DeterministicValue& v : {ab, ac, ca})
-      EXPECT_NEAR((v.order[0] + v.order[1] + v.order[2] + v.order[3]).r / v.order[4].r, 1, 1e-13);
+      EXPECT_NEAR((v.order[0] + v.order[1] + v.order[2] + v.order[3]).r / v.order[Order::all].r, 1,
+                  1e-13);
     for (const double mu : {0.6, 1e-7, -0.6, -0.2}) {
       const DeterministicEnergies e = energies_of(s, mu);
       EXPECT_NEAR(e.sum().r, 1, 1e-11) << medium << " mu " << mu;
@@ -159,14 +163,15 @@ TEST(InterfaceSolver, CellsAddUpToTheEnergyOfTheNodes) {
         const DeterministicEnergies nodes = s.energies(mu).front();
         for (const bool reflected : {true, false}) {
           const SideResult& side = reflected ? runs[i].reflected : runs[i].transmitted;
-          const LobeEstimate& all = side.lobes[kTallyOrders];
+          const LobeEstimate& all = side.lobes[Order::all];
           if (all.value.empty()) continue;
-          double sum = reflected ? nodes.specular_of[4].r : 0, bound = 0;
+          double sum = reflected ? nodes.specular_of[Order::all].r : 0, bound = 0;
           for (int k = 0; k < runs[i].grid.cells(); ++k) {
             sum += runs[i].grid.projected_solid_angle() * all.value[k];
             bound += runs[i].grid.projected_solid_angle() * all.standard_error[k];
           }
-          const double energy = reflected ? nodes.reflected[4].r : nodes.transmitted[4].r;
+          const double energy =
+              reflected ? nodes.reflected[Order::all].r : nodes.transmitted[Order::all].r;
           EXPECT_NEAR(sum, energy, bound + s.accuracy().node_error * energy)
               << toml << " direction " << i << (reflected ? " reflected" : " transmitted");
           EXPECT_LE(bound, 2 * kTolerance * energy + 1e-12) << toml << " direction " << i;
@@ -198,8 +203,8 @@ TEST(InterfaceSolver, SmoothHardCasesHaveFiniteNumbersAndKeepEnergy) {
       for (const double mu_o : {0.7, 1e-5, -critical, -0.3}) {
         if (mu_o < 0 && !open) continue;
         const DeterministicValue v = s.f(wi, up(mu_o, 2));
-        EXPECT_TRUE(std::isfinite(v.order[4].r) && std::isfinite(v.error.r)) << toml;
-        EXPECT_GE(v.order[4].r, -v.error.r - 1e-12) << toml;
+        EXPECT_TRUE(std::isfinite(v.order[Order::all].r) && std::isfinite(v.error.r)) << toml;
+        EXPECT_GE(v.order[Order::all].r, -v.error.r - 1e-12) << toml;
       }
     }
   }
@@ -219,8 +224,8 @@ TEST(InterfaceSolver, SmoothConductorUnderACoatSumsBounces) {
     EXPECT_NEAR(e.zero_reflected.r, r.reflectance, 1e-15);
     EXPECT_NEAR(e.reflected[0].r, through * through * m, 1e-14);
     EXPECT_NEAR(e.reflected[1].r, through * through * m * m * r.reflectance, 1e-14);
-    EXPECT_NEAR(e.reflected[4].r, r.reflectance + through * through * m / (1 - m * r.reflectance),
-                1e-14);
+    EXPECT_NEAR(e.reflected[Order::all].r,
+                r.reflectance + through * through * m / (1 - m * r.reflectance), 1e-14);
     EXPECT_NEAR(e.sum().r, 1, 1e-14);
   }
 }
@@ -275,7 +280,7 @@ TEST(InterfaceSolver, RoughCoatOverLambertIsTheClosedForm) {
                           (kPi * 2.25 * (1 - 0.8 * inside));
       const DeterministicValue v = s.f(up(mu_i), up(mu_o, 1));
       EXPECT_NEAR(v.zero.r, d.single(up(mu_i), up(mu_o, 1)), 1e-14);
-      EXPECT_NEAR((v.order[4].r - v.zero.r) / base, 1, 2e-5) << alpha;
+      EXPECT_NEAR((v.order[Order::all].r - v.zero.r) / base, 1, 2e-5) << alpha;
     }
     const DeterministicEnergies e = energies_of(s, 0.9);
     EXPECT_NEAR(e.zero_reflected.r, by_normals(d, 0.9, false), 1e-7);
@@ -290,7 +295,7 @@ TEST(InterfaceSolver, RoughCoatsReachTheirTolerances) {
           solved(rough(1.5, alpha, kind) + layer(kIsotropic, 0.9, kInfinity), tolerance);
       EXPECT_TRUE(s.accuracy().reached) << kind << ' ' << alpha;
       const Direction a = up(0.6), b = up(0.35, 1.1);
-      EXPECT_NEAR(s.f(a, b).order[4].r / s.f(b, a).order[4].r, 1, tolerance);
+      EXPECT_NEAR(s.f(a, b).order[Order::all].r / s.f(b, a).order[Order::all].r, 1, tolerance);
     }
 }
 
@@ -342,7 +347,7 @@ TEST(InterfaceSolver, StacksAgreeWithWalks) {
         agree(a.zero[0], b.zero[0], "zero");
         agree(a.specular[0], b.specular[0], "specular");
         for (int o = 0; o < kTallyOrders; ++o) agree(a.orders[o][0], b.orders[o][0], "order");
-        for (const int lobe : {kTallyOrders, kZeroLobe, kScatteredLobe}) {
+        for (const int lobe : {kTallyOrders, place(Order::zero), place(Order::scattered)}) {
           const LobeEstimate &x = a.lobes[lobe], &y = b.lobes[lobe];
           if (x.value.empty() || y.value.empty()) continue;
           ASSERT_EQ(x.value.size(), y.value.size());
@@ -351,9 +356,9 @@ TEST(InterfaceSolver, StacksAgreeWithWalks) {
               agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]}, "cell");
         }
         if (!a.has_zero_lobe()) continue;
-        for (std::size_t k = 0; k < a.lobes[kZeroLobe].value.size(); ++k)
-          EXPECT_NEAR(a.lobes[kZeroLobe].value[k] + a.lobes[kScatteredLobe].value[k],
-                      a.lobes[kTallyOrders].value[k], 1e-12 * a.lobes[kTallyOrders].value[k]);
+        for (std::size_t k = 0; k < a.lobes[Order::zero].value.size(); ++k)
+          EXPECT_NEAR(a.lobes[Order::zero].value[k] + a.lobes[Order::scattered].value[k],
+                      a.lobes[Order::all].value[k], 1e-12 * a.lobes[Order::all].value[k]);
       }
     }
   }

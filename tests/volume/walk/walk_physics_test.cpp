@@ -224,7 +224,7 @@ TEST_P(WalkPhysics, DeltaFlakesReflectIntoTheirSpecularLobeAlone) {
   EXPECT_NEAR(run.reflected.specular[0].value, 0.8 * -std::expm1(-1.5),
               allowed_z() * run.reflected.specular[0].standard_error);
   EXPECT_EQ(run.reflected.specular[0].value, run.reflected.total[0].value);
-  for (const double f : run.reflected.lobes[kTallyOrders].value) EXPECT_EQ(f, 0);
+  for (const double f : run.reflected.lobes[Order::all].value) EXPECT_EQ(f, 0);
 }
 
 // vMF flakes in a slab with VMF Diffuse's null collisions: majorant rho in every direction, a
