@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cstdio>
 #include <random>
 
 namespace lamella {
@@ -48,7 +49,7 @@ Example example(Index n, double defect, unsigned seed) {
 TEST(WithoutSubtraction, KeepsEveryDigitWhereAlmostNothingIsLost) {
   double worst = 0, plain = 0;
   for (const Index n : {1, 2, 5, 24})
-    for (const double defect : {1.0, 1e-3, 1e-6}) {
+    for (const double defect : {1.0, 1e-2, 1e-4}) {
       const Example e = example(n, defect, static_cast<unsigned>(n));
       const Long exact = e.matrix.partialPivLu().solve(e.right.cast<long double>());
       const MatrixXd found = WithoutSubtraction(e.product, e.defect).solve(e.right);
@@ -61,9 +62,10 @@ TEST(WithoutSubtraction, KeepsEveryDigitWhereAlmostNothingIsLost) {
       worst = std::max(worst, error(found));
       plain = std::max(plain, error(eliminated));
     }
-  // Long double leaves 1e-19 / 1e-6; n steps of positive terms leave n roundings or so.
+  // Long double leaves some 1e-19 / 1e-4; n steps of positive terms leave n roundings or so.
+  std::printf("[ error ] %.1e, with subtraction %.1e\n", worst, plain);
   EXPECT_LT(worst, 24 * 4 * 2.3e-16);
-  EXPECT_GT(plain, 1e-12);
+  EXPECT_GT(plain, 1e-13);
 }
 
 TEST(WithoutSubtraction, NodesThatLightNeverGetsToAnswerNothing) {
