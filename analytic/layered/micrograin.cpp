@@ -74,35 +74,48 @@ struct Grains {
   std::shared_ptr<const Model> bulk;
 };
 
-/// What a specular grain's part loses, 1 - E, as a function of mu: interpolated between nodes at
-/// uniform steps of sqrt(mu).
+/// What a specular grain's part loses, 1 - E, as a function of mu: cubics between nodes that crowd
+/// below beta, where E changes from that of single facets to that of grains which shadow each
+/// other.
 class SpecularLoss {
  public:
   SpecularLoss() = default;
   template <class Albedo>
-  explicit SpecularLoss(const Albedo& albedo) {
-    for (int k = 0; k < kNodes; ++k) {
-      const double x = static_cast<double>(k) / (kNodes - 1);
-      loss_[k] = 1 - albedo(std::max(x * x, kGrazingLimit));
-    }
-    // 2 mu dmu = 4 x^3 dx; a linear piece's share is exact.
-    for (int k = 0; k + 1 < kNodes; ++k) {
-      const double h = 1.0 / (kNodes - 1), a = k * h, b = a + h;
-      const double whole = b * b * b * b - a * a * a * a;
-      const double slope = (loss_[k + 1] - loss_[k]) / h;
-      const double first = 0.8 * (b * b * b * b * b - a * a * a * a * a);
-      mean_ += loss_[k] * whole + slope * (first - a * whole);
-    }
+  SpecularLoss(double beta, const Albedo& albedo)
+      : scale_(kCrowding * beta), range_(std::asinh(1 / scale_)) {
+    for (int k = 0; k < kNodes; ++k)
+      loss_[k] = 1 - albedo(std::clamp(mu_at(k * kStep), kGrazingLimit, 1.0));
+    // The mean of what operator() gives: 2 mu dmu.
+    using Rule = boost::math::quadrature::gauss<double, 8>;
+    for (int k = 0; k + 1 < kNodes; ++k)
+      mean_ += Rule::integrate(
+          [&](double x) {
+            const double slope = range_ * scale_ * std::cosh(x * range_);
+            return 2 * mu_at(x) * slope * at(x);
+          },
+          k * kStep, (k + 1) * kStep);
   }
-  [[nodiscard]] double operator()(double mu) const {
-    const double x = std::sqrt(mu) * (kNodes - 1);
-    const int k = std::min(static_cast<int>(x), kNodes - 2);
-    return loss_[k] + (x - k) * (loss_[k + 1] - loss_[k]);
-  }
+  [[nodiscard]] double operator()(double mu) const { return at(std::asinh(mu / scale_) / range_); }
   [[nodiscard]] double mean() const { return mean_; }
 
  private:
   static constexpr int kNodes = 65;
+  static constexpr double kStep = 1.0 / (kNodes - 1);
+  static constexpr double kCrowding = 0.25;
+
+  [[nodiscard]] double mu_at(double x) const { return scale_ * std::sinh(x * range_); }
+
+  // Lagrange's cubic through four nodes, two on each side where there are.
+  [[nodiscard]] double at(double x) const {
+    const double place = std::clamp(x / kStep, 0.0, kNodes - 1.0);
+    const int k = std::clamp(static_cast<int>(place) - 1, 0, kNodes - 4);
+    const double u = place - k, v = u - 1, w = u - 2, z = u - 3;
+    return (v * w * z * -loss_[k] + 3 * (u * w * z * loss_[k + 1] - u * v * z * loss_[k + 2]) +
+            u * v * w * loss_[k + 3]) /
+           6;
+  }
+
+  double scale_ = 1, range_ = 1;
   std::array<double, kNodes> loss_{};
   double mean_ = 0;
 };
@@ -111,7 +124,7 @@ class Micrograin final : public Model {
  public:
   explicit Micrograin(const Grains& grains) : Model(2), g_(grains) {
     if (g_.surface == GrainSurface::dielectric)
-      loss_ = SpecularLoss([&](double mu) { return specular_albedo(mu); });
+      loss_ = SpecularLoss(g_.beta, [&](double mu) { return specular_albedo(mu); });
   }
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
@@ -203,32 +216,49 @@ class Micrograin final : public Model {
   }
 
   /// Directional albedo of the specular part from mu: over the normals, in the coordinates in which
-  /// D has no peak, the integral of F G / G_1 over the visible ones.
+  /// D has no peak, the integral of F G / G_1 over the visible ones. Normals of the slope t and the
+  /// azimuth phi from w mirror w to above where cos phi > mu (t^2 - 1) / (2 t sin theta).
   [[nodiscard]] double specular_albedo(double mu) const {
     using Rule = boost::math::quadrature::gauss<double, 24>;
-    const double lambda = grains_per_disc(g_.tau0);
+    const double lambda = grains_per_disc(g_.tau0), beta = g_.beta;
     const Direction w = direction_from_mu_phi(mu, 0);
-    const double area_w = area(mu);
-    const auto over = [](const auto& f) { return Rule::integrate(f, 0.0, 1.0); };
-    // sin^2 psi = y; phi in (0, pi), where half of D lies.
-    return over([&](double x) {
-      const double y = x * x;  // the sides of a peak at y = 0 by steps in its root
-      const double n = std::sqrt(1 - y), r = std::sqrt(y);
-      return 2 * x * over([&](double p) {
-               const double phi = kPi * p;
-               const Direction m = normalized(
-                   Direction{g_.beta * r * std::cos(phi), g_.beta * r * std::sin(phi), n});
-               const double cosine = dot(w, m);
-               if (cosine <= 0) return 0.0;
-               const double mu_o = 2 * cosine * m.z - mu;
-               if (mu_o <= 0) return 0.0;
-               const double g =
-                   1 / (mu_o * area_w + mu * area(mu_o) - mu * mu_o);  // G / (mu_i mu_o)
-               // D cos dm = crowding exp(-lambda y) dy dp; f mu_o dw_o = D G F / (4 mu_i) 4 cos dm
-               return crowding(g_.tau0) * std::exp(-lambda * y) * cosine / m.z * mu_o * g *
-                      fresnel(cosine).r;
-             });
-    });
+    const double sine = std::sqrt((1 - mu) * (1 + mu)), area_w = area(mu);
+    // y = sin^2 psi and 1 - y; phi in (0, pi), where half of D lies.
+    const auto over_azimuths = [&](double y, double rest) {
+      const double n = std::sqrt(rest), r = std::sqrt(y), t = beta * r / n;
+      const double least = mu * (t - 1) * (t + 1), scale = 2 * t * sine;
+      const double widest = least >= scale ? 0 : least <= -scale ? kPi : std::acos(least / scale);
+      if (widest == 0) return 0.0;
+      const double sum = Rule::integrate(
+          [&](double phi) {
+            const Direction m =
+                normalized(Direction{beta * r * std::cos(phi), beta * r * std::sin(phi), n});
+            const double cosine = dot(w, m), mu_o = 2 * cosine * m.z - mu;
+            if (cosine <= 0 || mu_o <= 0) return 0.0;  // by rounding, at the ends
+            const double g = 1 / (mu_o * area_w + mu * area(mu_o) - mu * mu_o);  // G / (mu_i mu_o)
+            // D cos dm = crowding exp(-lambda y) dy dp; f mu_o dw_o = D G F / (4 mu_i) 4 cos dm
+            return cosine / m.z * mu_o * g * fresnel(cosine).r;
+          },
+          0.0, widest);
+      return crowding(g_.tau0) * std::exp(-lambda * y) * sum / kPi;
+    };
+    // Pieces end where all azimuths begin to matter no more, and where none is left.
+    const double all = mu / (1 + sine), none = (1 + sine) / mu;
+    const auto inside = [&](double t) { return t * t / (beta * beta + t * t); };
+    const auto outside = [&](double t) { return beta * beta / (beta * beta + t * t); };
+    const double ends[] = {0, inside(all), inside(none)};
+    const double rests[] = {1, outside(all), outside(none)};
+    double sum = 0;
+    for (int k = 0; k < 2; ++k)
+      sum += Rule::integrate(
+          [&](double x) {
+            const double up = std::sin(0.5 * kPi * x), down = std::cos(0.5 * kPi * x);
+            const double width = ends[k + 1] - ends[k];
+            return over_azimuths(ends[k] + width * up * up, rests[k + 1] + width * down * down) *
+                   width * kPi * up * down;
+          },
+          0.0, 1.0);
+    return sum;
   }
 
   Grains g_;

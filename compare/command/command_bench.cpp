@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compare/bench/bench_history.h"
 #include "compare/bench/benchmark.h"
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
@@ -60,6 +61,40 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   std::fflush(out);
 }
 
+// Row by row against the rows of an earlier run; whether one of them is slower now.
+bool print_changes(std::FILE* out, const std::vector<BenchChange>& changes) {
+  fmt::print(out, "\n{:<56} {:>10} {:>10} {:>7} {:>6}\n", "what", "before", "now", "speed",
+             "noise");
+  bool fell = false;
+  for (const BenchChange& c : changes) {
+    fell = fell || c.fell();
+    const std::string noise = c.ratio ? percent_text(c.noise) : "-";
+    const char* note = c.fell()   ? "slower"
+                       : c.rose() ? "faster"
+                       : c.ratio  ? ""
+                       : !c.now   ? "not measured now"
+                                  : "not measured before";
+    fmt::print(out, "{:<56} {:>10} {:>10} {:>7} {:>6}  {}\n", c.what, cell(c.before, "{:.3g}"),
+               cell(c.now, "{:.3g}"), cell(c.ratio, "{:.2f}"), noise, note);
+  }
+  return fell;
+}
+
+Json to_json(const std::vector<BenchChange>& changes) {
+  const auto number = [](std::optional<double> x) { return x ? Json(*x) : Json(); };
+  Json list = Json::array();
+  for (const BenchChange& c : changes)
+    list.push_back({{"what", c.what},
+                    {"measure", c.measure},
+                    {"before", number(c.before)},
+                    {"now", number(c.now)},
+                    {"speed_ratio", number(c.ratio)},
+                    {"noise", c.ratio ? Json(c.noise) : Json()},
+                    {"slower", c.fell()},
+                    {"faster", c.rose()}});
+  return list;
+}
+
 struct BenchPart {
   const char* name;
   std::function<void(const BenchmarkEffort&, std::uint64_t seed, const ReportRow&)> measure;
@@ -100,33 +135,53 @@ int bench_command(const Options& options) {
   BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
   effort.isa = isa_of(options);
   effort.solver_seconds = options.solver_seconds.value_or(effort.solver_seconds);
+  const std::optional<Json> before =
+      options.against.empty()
+          ? std::nullopt
+          : std::optional(read_bench_file(options.against, to_text(effort.isa), options.quick));
+  const int rounds = options.rounds.value_or(before ? 3 : 1);
   std::FILE* out = table_stream(options);
   if (!options.quiet)
     fmt::print(out, "{:<56} {:>9} {:>9} {:>10} {:>8} {:>7}  {}\n", "what", "seconds", "coll./s",
                "ns/eval", "error", "ratio", "baseline (ratio above 1: faster than it)");
-  Json rows = Json::array();
-  const ReportRow report = [&](const BenchmarkRow& row) {
-    if (!options.quiet) print_row(out, row);
-    rows.push_back(to_json(row));
-  };
+  // Rounds of everything one after the other: a change of the machine's speed meets some rounds of
+  // a row and not all.
+  std::vector<Json> measured_rows(rounds, Json::array());
   std::vector<std::string> measured;
-  for (const BenchPart& part : parts()) {
-    const bool wanted = options.only.empty() || std::find(options.only.begin(), options.only.end(),
-                                                          part.name) != options.only.end();
-    if (!wanted || user_interrupt) continue;
-    part.measure(effort, options.seed, report);
-    measured.emplace_back(part.name);
+  for (int round = 0; round < rounds; ++round) {
+    if (rounds > 1 && !options.quiet) fmt::print(out, "round {} of {}\n", round + 1, rounds);
+    const ReportRow report = [&](const BenchmarkRow& row) {
+      if (!options.quiet) print_row(out, row);
+      measured_rows[round].push_back(to_json(row));
+    };
+    for (const BenchPart& part : parts()) {
+      const bool wanted =
+          options.only.empty() ||
+          std::find(options.only.begin(), options.only.end(), part.name) != options.only.end();
+      if (!wanted || user_interrupt) continue;
+      part.measure(effort, options.seed, report);
+      if (round == 0) measured.emplace_back(part.name);
+    }
   }
+  Json rows = combined_rounds(measured_rows);
+  const std::vector<BenchChange> changes =
+      before ? changes_between(*before, rows) : std::vector<BenchChange>();
+  const bool fell = before && print_changes(out, changes);
   Json answer = json_header("bench", options.seed, isa_of(options));
   answer["quick"] = options.quick;
   answer["solver_seconds"] = effort.solver_seconds;
   answer["parts"] = measured;
   answer["interrupted"] = user_interrupt.load();
+  answer["rounds"] = rounds;
   answer["rows"] = std::move(rows);
+  if (before) {
+    answer["against"] = options.against;
+    answer["changes"] = to_json(changes);
+  }
   if (!options.html.empty())
     write_report_page(options.html, "Speed against error", answer, nullptr);
   write_json(answer, options.json);
-  return kDone;
+  return fell ? kFailed : kDone;
 }
 
 }  // namespace lamella

@@ -56,6 +56,18 @@ void define_bench(CommandLine& line) {
                   "end within them (default: 15, with --quick 0.2)")
       ->transform(positive_number())
       ->type_name("S");
+  command
+      .add_option("--against", line.options.against,
+                  "The --json of an earlier run: ratios row by row, status 1 if a row is slower "
+                  "by more than the noise")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
+  command
+      .add_option("--rounds", line.options.rounds,
+                  "Measure everything this often, in turn: medians, and their spread as the noise "
+                  "(default: 1, with --against 3)")
+      ->check(CLI::Range(1, 100))
+      ->type_name("N");
   add_json(command, line);
   add_html(command, line);
 }

@@ -31,6 +31,8 @@ struct Options {
   std::string json{}, html{}, output{};
   std::vector<std::string> only{};         ///< parts of bench; empty: all
   std::optional<double> solver_seconds{};  ///< of bench: for each of the solver's rows
+  std::string against{};                   ///< of bench: the JSON of an earlier run
+  std::optional<int> rounds{};             ///< of bench; else 3 with `against`, 1 without
   std::vector<std::string> models{};
   std::optional<double> max_error{};
   std::string pairs{};

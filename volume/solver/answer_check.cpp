@@ -9,14 +9,16 @@ namespace lamella {
 namespace {
 
 constexpr double kRounding = 1e-12;
-constexpr double kWidestBound =
-    2;  // of an energy, which is at most 1: the first nodes know it to 1
+constexpr double kWidestBound = 0.1;  // of an energy, as a share of the light that arrives
+// A bound as large as the energy itself says that no digit is known, and may be short of the error;
+// of energies below this share it is a bound like others.
+constexpr double kDarkest = 1e-3;
 
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-std::optional<std::string> why_no_energy(const std::string& name, const Estimate& energy) {
+std::optional<std::string> why_not_an_energy(const std::string& name, const Estimate& energy) {
   const auto& [value, bound] = energy;
   if (!std::isfinite(value) || !std::isfinite(bound))
     return fmt::format("its {} is not finite", name);
@@ -27,12 +29,21 @@ std::optional<std::string> why_no_energy(const std::string& name, const Estimate
   return std::nullopt;
 }
 
+// The same of an energy of all orders, of which a digit must be known.
+std::optional<std::string> why_no_energy(const std::string& name, const Estimate& energy) {
+  if (auto reason = why_not_an_energy(name, energy)) return reason;
+  const auto& [value, bound] = energy;
+  if (bound >= value && value > kDarkest)
+    return fmt::format("its {} is {:.3g} with a bound of {:.1e}", name, value, bound);
+  return std::nullopt;
+}
+
 std::optional<std::string> why_no_side(const std::string& name, const SideResult& side,
                                        int channels) {
   for (int c = 0; c < channels; ++c) {
     if (auto reason = why_no_energy(name, side.total[c])) return reason;
     for (int order = 0; order < kTallyOrders; ++order)
-      if (auto reason = why_no_energy(name + " by order", side.orders[order][c])) return reason;
+      if (auto reason = why_not_an_energy(name + " by order", side.orders[order][c])) return reason;
   }
   for (const LobeEstimate& lobe : side.lobes)
     if (!all_finite(lobe.value) || !all_finite(lobe.standard_error))
