@@ -17,12 +17,6 @@ namespace {
 
 std::string side_name(bool reflected) { return reflected ? "reflect" : "transmit"; }
 
-std::string lobe_name(Order order) {
-  static const OrderMap<std::string> names{
-      {"order1", "order2", "order3", "order4plus", "all", "order0", "order1plus"}};
-  return names[order];
-}
-
 std::string channel_letter(int channels, int c) {
   return channels == 1 ? "Y" : std::string(1, "RGB"[c]);
 }

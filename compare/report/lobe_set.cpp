@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include "compare/files/exr_file.h"
@@ -15,12 +14,6 @@
 
 namespace lamella {
 namespace {
-
-constexpr int kLobes = static_cast<int>(std::tuple_size_v<decltype(SideResult::lobes)>);
-// By index of SideResult::lobes, for people and in files.
-constexpr std::array<const char*, kLobes> kNames{"1", "2", "3", "4+", "all", "0", "1+"};
-constexpr std::array<const char*, kLobes> kLayers{"order1", "order2", "order3",    "order4plus",
-                                                  "all",    "order0", "order1plus"};
 
 SideResult& side_of(RunResult& run, bool reflected) {
   return reflected ? run.reflected : run.transmitted;
@@ -34,14 +27,14 @@ void append(std::vector<double>& to, std::vector<double>& from) {
 }
 
 std::string name_of_layer(const std::string& layer) {
-  for (int o = 0; o < kLobes; ++o)
-    if (layer == kLayers[o]) return kNames[o];
+  for (int o = 0; o < kLobeOrders; ++o)
+    if (layer == lobe_name(static_cast<Order>(o))) return to_text(static_cast<Order>(o));
   return layer;
 }
 
 std::string layer_of_name(const std::string& name) {
-  for (int o = 0; o < kLobes; ++o)
-    if (name == kNames[o]) return kLayers[o];
+  for (int o = 0; o < kLobeOrders; ++o)
+    if (name == to_text(static_cast<Order>(o))) return lobe_name(static_cast<Order>(o));
   return name;
 }
 
@@ -66,7 +59,8 @@ void add_energies(LobeSet& set, const std::vector<RunResult>& runs) {
     };
     add_energy(set, runs, side, "all", [&](const RunResult& r) { return of(r).total; });
     for (int o = 0; o < kTallyOrders; ++o)
-      add_energy(set, runs, side, kNames[o], [&](const RunResult& r) { return of(r).orders[o]; });
+      add_energy(set, runs, side, to_text(static_cast<Order>(o)),
+                 [&](const RunResult& r) { return of(r).orders[o]; });
     add_energy(set, runs, side, "0", [&](const RunResult& r) { return of(r).zero; });
     add_energy(set, runs, side, "specular", [&](const RunResult& r) { return of(r).specular; });
   }
@@ -146,13 +140,13 @@ LobeSet take_lobes(std::vector<RunResult>& runs) {
   for (const RunResult& run : runs) set.directions.push_back(run.incident);
   const std::size_t numbers = runs.size() * set.channels * set.grid.cells();
   for (const bool reflected : {true, false})
-    for (int o = 0; o < kLobes; ++o) {
+    for (int o = 0; o < kLobeOrders; ++o) {
       // Light from below may leave where light from above cannot: a side that is there for one
       // direction is there for all, as zeros.
       bool there = false;
       for (RunResult& run : runs) there = there || !side_of(run, reflected).lobes[o].value.empty();
       if (!there) continue;
-      LobeBlock block{side_name(reflected), kNames[o], {}, {}};
+      LobeBlock block{side_name(reflected), to_text(static_cast<Order>(o)), {}, {}};
       block.value.reserve(numbers);
       block.standard_error.reserve(numbers);
       for (RunResult& run : runs) {
@@ -252,8 +246,9 @@ LobeSet read_lobes(const std::filesystem::path& path, const std::string& part) {
   if (set.lobes.empty()) refuse("no lobes");
   // The file has its channels by name; here they stand as take_lobes has them.
   const auto rank = [](const LobeBlock& block) {
-    const auto it = std::find(kNames.begin(), kNames.end(), block.name);
-    return std::pair(block.side, it - kNames.begin());
+    int o = 0;
+    while (o < kLobeOrders && block.name != to_text(static_cast<Order>(o))) ++o;
+    return std::pair(block.side, o);
   };
   std::stable_sort(set.lobes.begin(), set.lobes.end(),
                    [&](const auto& a, const auto& b) { return rank(a) < rank(b); });

@@ -7,4 +7,10 @@ std::string to_text(Order order) {
   return names[order];
 }
 
+std::string lobe_name(Order order) {
+  static const OrderMap<std::string> names{
+      {"order1", "order2", "order3", "order4plus", "all", "order0", "order1plus"}};
+  return names[order];
+}
+
 }  // namespace lamella

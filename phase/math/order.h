@@ -18,6 +18,9 @@ inline constexpr int kLobeOrders = 7;
 
 /// "1", "2", "3", "4+", "all", "0", "1+"
 [[nodiscard]] std::string to_text(Order order);
+/// The same in names of channels and arrays: "order1", ..., "order4plus", "all", "order0",
+/// "order1plus"
+[[nodiscard]] std::string lobe_name(Order order);
 
 /// One value per order; places are those of the enumeration.
 template <class T>

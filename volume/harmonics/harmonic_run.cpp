@@ -89,19 +89,26 @@ class Refinement {
   }
 
  private:
-  [[nodiscard]] bool is_stopped() const { return options_.stop && *options_.stop; }
-
   // Whether it was done before it was stopped; the first is done in any case.
   bool solve(int degree) {
+    try {
+      solve_level(degree, now_.answers.empty() ? nullptr : options_.stop);
+      return true;
+    } catch (const HarmonicStopped&) {
+      return false;
+    }
+  }
+
+  void solve_level(int degree, const std::atomic<bool>* stop) {
     Level next{degree, {}};
     for (const int channel : channels_) {
-      if (is_stopped() && !now_.answers.empty()) return false;
       const HarmonicTransport transport(stack_, channel,
                                         {.degree = degree,
                                          .depth_nodes = std::min(9, 6 + static_cast<int>(levels_)),
                                          .finest = std::min(1e-4, lowest_ / 4),
                                          .residual = std::min(1e-8, options_.tolerance / 100),
-                                         .isa = options_.isa});
+                                         .isa = options_.isa,
+                                         .stop = stop});
       next.answers.emplace_back();
       for (const Direction wi : incident_) {
         if (options_.report)
@@ -109,7 +116,6 @@ class Refinement {
                            .modes = degree + 1,
                            .error = levels_ > 0 ? accuracy_.error : 1,
                            .seconds = seconds_since(start_)});
-        if (is_stopped() && !now_.answers.empty()) return false;
         const HarmonicSolution solution(transport, wi);
         Answer answer{solution.energies(), {}};
         for (const bool up : {true, false})
@@ -120,7 +126,6 @@ class Refinement {
     before_ = std::move(now_);
     now_ = std::move(next);
     ++levels_;
-    return true;
   }
 
   [[nodiscard]] bool sees(Direction wi, bool up) const {

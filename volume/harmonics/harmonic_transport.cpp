@@ -37,8 +37,10 @@ HarmonicTransport::HarmonicTransport(const Stack& stack, int channel,
       streams_(stack, channel, resolution.finest, resolution.depth_nodes),
       grid_(SphereGrid::quadrature(basis_, cosines_for(resolution.degree),
                                    azimuths_for(resolution.degree), product())) {
-  for (const LayeredStreams::Part& part : streams_.parts())
+  for (const LayeredStreams::Part& part : streams_.parts()) {
+    check_stop();
     kernels_.emplace_back(part.layer->medium, part.layer->f0[channel], basis_, product());
+  }
   if (stack.substrate) ground_albedo_ = stack.substrate->albedo[channel];
   if (streams_.is_cut()) ground_albedo_ = 1;
   blocks_.resize(streams_.block_size() * static_cast<std::size_t>(grid_.size()));
@@ -88,6 +90,7 @@ double HarmonicTransport::scattered_by_mirrors(const HarmonicSource& source) con
 bool HarmonicTransport::has_schlick(const Layer& layer) const { return layer.f0[channel_] != 1; }
 
 HarmonicLight HarmonicTransport::follow(const HarmonicSource& source) const {
+  check_stop();
   const MatrixXd values = grid_.values(source.coefficients);
   MatrixXd radiance(streams_.size(), grid_.size());
   VectorXd leaving(grid_.size()), absorbed = VectorXd::Zero(grid_.size());

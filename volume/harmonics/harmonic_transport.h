@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <span>
 #include <vector>
 
@@ -13,12 +14,17 @@ namespace lamella {
 
 /// How finely directions and depths are resolved.
 struct HarmonicResolution {
-  int degree = 16;          ///< of the source function's spherical harmonics
-  int depth_nodes = 7;      ///< per panel
-  double finest = 1e-4;     ///< optical depth of the panels next to boundaries
-  double residual = 1e-10;  ///< of the sum over all orders
-  Isa isa = Isa::scalar;    ///< of products of matrices
+  int degree = 16;                          ///< of the source function's spherical harmonics
+  int depth_nodes = 7;                      ///< per panel
+  double finest = 1e-4;                     ///< optical depth of the panels next to boundaries
+  double residual = 1e-10;                  ///< of the sum over all orders
+  Isa isa = Isa::scalar;                    ///< of products of matrices
+  const std::atomic<bool>* stop = nullptr;  ///< once set, work ends with HarmonicStopped
 };
+
+/// Thrown where HarmonicResolution::stop is set, at the latest after the light between two events
+/// or the kernel of a layer.
+struct HarmonicStopped {};
 
 /// A source function: coefficients by harmonic (rows) and node in depth (columns), and the radiance
 /// that a Lambertian substrate sends up.
@@ -61,6 +67,9 @@ class HarmonicTransport {
   [[nodiscard]] int nodes() const { return streams_.size(); }
 
  private:
+  void check_stop() const {
+    if (resolution_.stop && *resolution_.stop) throw HarmonicStopped();
+  }
   [[nodiscard]] double collided(Direction v, const double* radiance) const;
   [[nodiscard]] double scattered_by_mirrors(const HarmonicSource& source) const;
   [[nodiscard]] bool has_schlick(const Layer& layer) const;

@@ -253,8 +253,8 @@ TEST(Micrograin, SpecularGrainsSampledByVisibleNormalsFollowTheirPdf) {
 }
 
 TEST(Micrograin, WhiteDielectricGrainsKeepTheEnergy) {
-  // What is left is the error of this quadrature: the albedo of their specular part, which stands in
-  // a table, has 1e-6.
+  // What is left is the error of this quadrature: the albedo of their specular part, which stands
+  // in a table, has 1e-6.
   double worst = 0;
   for (const char* shadowing : {"ggx", "smith"})
     for (const double beta : {0.03, 0.3, 1.0}) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 
 #include "tests/statistics/statistics.h"
@@ -249,6 +250,29 @@ TEST(HarmonicRun, AgreesWithWalksOnRandomStacks) {
           agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]}, "cell");
     }
   }
+}
+
+// Ctrl-C in the middle of a degree leaves what the degree before it gave.
+TEST(HarmonicRun, EndsWithinADegreeOnceItIsStopped) {
+  const Stack stack = stack_of(layer(leaning(sggx(0.5, "lambert"), 1, 0, 1), 0.9, 0.5));
+  const Direction wi[] = {direction_from_mu_phi(0.7, 0.2)};
+  const Plan plan = make_plan(stack);
+  std::atomic<bool> stop{false};
+  std::vector<int> degrees;
+  const RunResult stopped =
+      harmonic_runs(stack, plan, wi, CellGrid{3, 6},
+                    {.tolerance = 1e-12, .stop = &stop, .report = [&](const auto& progress) {
+                       degrees.push_back(progress.nodes);
+                       stop = degrees.size() == 2;
+                     }})[0];
+  ASSERT_EQ(degrees.size(), 2);
+  EXPECT_GT(degrees[1], degrees[0]);
+  ASSERT_TRUE(stopped.accuracy);
+  EXPECT_EQ(stopped.accuracy->limit, DeterministicLimit::interrupted);
+  EXPECT_EQ(stopped.accuracy->harmonics, degrees[0]);
+  const RunResult first = harmonic_runs(stack, plan, wi, CellGrid{3, 6},
+                                        {.tolerance = 1e-12, .max_degree = degrees[0]})[0];
+  EXPECT_EQ(stopped.reflected.lobes[Order::all].value, first.reflected.lobes[Order::all].value);
 }
 
 }  // namespace
