@@ -7,6 +7,8 @@
 #include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
+#include "volume/harmonics/harmonic_run.h"
+#include "volume/plan/plan.h"
 #include "volume/solver/deterministic_run.h"
 
 namespace lamella {
@@ -64,6 +66,40 @@ void measure_digits(bool quick, double seconds_allowed, Isa isa, const ReportRow
                        .accuracy();
       });
       report(row_of(fmt::format("{}/solve/{:.0e}", solved.name, tolerance), seconds, accuracy));
+    }
+}
+
+// Stacks without symmetry about the normal: seconds against digits of all cells of a 16 x 32 grid
+// for one direction.
+void measure_harmonics(bool quick, double seconds_allowed, Isa isa, const ReportRow& report) {
+  const std::vector<SolvedStack> list{
+      {"fibers_lambert_0.5_slab",
+       "medium = \"sggx\"\nshape = \"fiber\"\nflake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\n"
+       "thickness = 1\n"},
+      {"fibers_0.5_slab",
+       "medium = \"sggx\"\nshape = \"fiber\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 1\n"},
+      {"fibers_0.3_slab",
+       "medium = \"sggx\"\nshape = \"fiber\"\nroughness = 0.3\nalbedo = 0.9\nthickness = 1\n"},
+      {"leaning_vmf_0.5_slab",
+       "medium = \"vmf_flake\"\naxis = [1, 0, 1]\nroughness = 0.5\nalbedo = 0.9\nthickness = 1\n"},
+      {"leaning_sggx_0.5_halfspace",
+       "medium = \"sggx\"\naxis = [1, 0, 1]\nflake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\n"
+       "thickness = inf\n"}};
+  const Direction incident[] = {direction_from_degrees(45, 0)};
+  for (const SolvedStack& solved : list)
+    for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+      if (quick && tolerance < 1e-2) continue;
+      const Stack stack = stack_of(solved);
+      std::vector<RunResult> runs;
+      const double seconds = seconds_of([&] {
+        runs = harmonic_runs(stack, make_plan(stack), incident, CellGrid{16, 32},
+                             {.tolerance = tolerance, .max_seconds = seconds_allowed, .isa = isa});
+      });
+      const DeterministicAccuracy& reached = *runs.front().accuracy;
+      BenchmarkRow row =
+          row_of(fmt::format("{}/harmonics/{:.0e}", solved.name, tolerance), seconds, reached);
+      row.extra["degree"] = reached.harmonics;
+      report(std::move(row));
     }
 }
 
@@ -153,6 +189,7 @@ void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
   tbb::task_arena one(1);
   one.execute([&] {
     measure_digits(quick, effort.solver_seconds, effort.isa, report);
+    measure_harmonics(quick, effort.solver_seconds, effort.isa, report);
     measure_cells(quick, seed, effort.isa, report);
     measure_growth(quick, effort.isa, report);
   });

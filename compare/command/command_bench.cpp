@@ -35,7 +35,9 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
     note += fmt::format(", lanes {} occupied, {} of them at null collisions",
                         percent_text(row.extra["lane_occupancy"].get<double>()),
                         percent_text(row.extra["null_collisions"].get<double>()));
-  if (row.extra.contains("nodes"))
+  if (row.extra.contains("degree"))
+    note += fmt::format("spherical harmonics of degree {}", row.extra["degree"].get<int>());
+  else if (row.extra.contains("nodes"))
     note += fmt::format("{}{} nodes, {} modes, {:.2g} MB", note.empty() ? "" : ", ",
                         row.extra["nodes"].get<int>(), row.extra["modes"].get<int>(),
                         1e-6 * row.extra["bytes"].get<double>());
