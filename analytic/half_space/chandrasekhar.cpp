@@ -56,21 +56,32 @@ bool is_isotropic(const Layer& layer) {
 }  // namespace
 
 ModelInfo chandrasekhar_model() {
-  return {.name = "chandrasekhar",
-          .doc = "half space of isotropic scatterers, exact",
-          .source = "Chandrasekhar 1960, Radiative Transfer; d'Eon 2021, eq. 21",
-          .parameters = {albedo_parameter("single-scattering albedo")},
-          .lobes = {{"single", "one event", Order::one},
-                    {"multiple", "two events and more", Order::all}},
-          .make = [](const Parameters& p,
-                     const Stack*) { return std::make_unique<Chandrasekhar>(p.color("albedo")); },
-          .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
-            const Layer* layer = only_half_space(stack);
-            if (!layer || !is_isotropic(*layer)) return std::nullopt;
-            Parameters p;
-            p.set("albedo", layer->albedo);
-            return p;
-          }};
+  return {
+      .name = "chandrasekhar",
+      .doc = "half space of isotropic scatterers, exact",
+      .source = "Chandrasekhar 1960, Radiative Transfer; d'Eon 2021, eq. 21",
+      .parameters = {albedo_parameter("single-scattering albedo")},
+      .lobes = {{"single", "one event", Order::one},
+                {"multiple", "two events and more", Order::all}},
+      .make = [](const Parameters& p,
+                 const Stack*) { return std::make_unique<Chandrasekhar>(p.color("albedo")); },
+      .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+        const Layer* layer = only_half_space(stack);
+        if (!layer || !is_isotropic(*layer)) return std::nullopt;
+        Parameters p;
+        p.set("albedo", layer->albedo);
+        return p;
+      },
+      .parts = {part_of_albedo("h", "H of w_i, exact",
+                               [](double c, double mu) { return isotropic_h(c)(mu); }),
+                part_of_albedo("h_hapke_1981", "H of w_i by Hapke's rational form",
+                               [](double c, double mu) { return isotropic_h_hapke_1981(mu, c); }),
+                part_of_albedo("h_hapke_2002", "H of w_i by Hapke's form with a logarithm",
+                               [](double c, double mu) { return isotropic_h_hapke_2002(mu, c); }),
+                part_of_albedo("h_moment0", "integral of H over mu in (0, 1); of no direction",
+                               [](double c, double) { return isotropic_h(c).moment(0); }),
+                part_of_albedo("h_moment1", "integral of mu H; of no direction",
+                               [](double c, double) { return isotropic_h(c).moment(1); })}};
 }
 
 }  // namespace lamella

@@ -163,9 +163,23 @@ double lambert_sphere_bond_albedo(double albedo) {
 }
 
 ModelInfo lambert_sphere_model() {
-  return info<AnalyticLambertSphere>("lambert_sphere",
-                                     "half space of Lambertian spheres, analytic form", kSource,
-                                     lambert_sphere_batch_for);
+  ModelInfo model = info<AnalyticLambertSphere>("lambert_sphere",
+                                                "half space of Lambertian spheres, analytic form",
+                                                kSource, lambert_sphere_batch_for);
+  const auto of_albedo = [](double (*f)(double)) { return [f](double c, double) { return f(c); }; };
+  const auto of_cosine = [](double (*f)(double, double)) {
+    return [f](double c, double mu) { return f(mu, c); };
+  };
+  model.parts = {
+      part_of_albedo("h0", "fitted H0 of w_i, eq. 37", of_cosine(lambert_sphere_h0)),
+      part_of_albedo("h1", "fitted H1 of w_i, eq. 29", of_cosine(lambert_sphere_h1)),
+      part_of_albedo("bond_albedo", "Bond albedo of the half space, eq. 47; of no direction",
+                     of_albedo(lambert_sphere_bond_albedo)),
+      part_of_albedo("albedo_map",
+                     "particle albedo for the Bond albedo that is given as `albedo`, eq. 46; of no "
+                     "direction",
+                     of_albedo(lambert_sphere_albedo))};
+  return model;
 }
 
 ModelInfo lambert_sphere_fast_model() {

@@ -70,6 +70,14 @@ class LambertSphereThreeTerm final : public Model {
   std::vector<ThreeTermHalfSpace> half_spaces_;  // one if grey, otherwise per channel
 };
 
+PartInfo h_part(int mode) {
+  return part_of_albedo("h" + std::to_string(mode),
+                        "H of w_i in azimuthal mode " + std::to_string(mode) + ", exact",
+                        [mode](double c, double mu) {
+                          return ThreeTermHalfSpace(lambert_sphere_phase_terms(c)).h(mode)(mu);
+                        });
+}
+
 ModelInfo info(std::string name, std::string doc, bool exact_single) {
   return {.name = std::move(name),
           .doc = std::move(doc),
@@ -83,7 +91,8 @@ ModelInfo info(std::string name, std::string doc, bool exact_single) {
               [exact_single](const Parameters& p, const Stack*) {
                 return std::make_unique<LambertSphereThreeTerm>(p.color("albedo"), exact_single);
               },
-          .applies_to = lambert_sphere_parameters};
+          .applies_to = lambert_sphere_parameters,
+          .parts = {h_part(0), h_part(1), h_part(2)}};
 }
 
 }  // namespace

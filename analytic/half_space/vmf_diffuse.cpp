@@ -144,6 +144,33 @@ class VmfDiffuse final : public FormulaModel<VmfDiffuseFormula> {
   bool lambert_;
 };
 
+std::vector<PartInfo> parts() {
+  std::vector<PartInfo> list{
+      {"sigma", "fitted cross section of flakes of albedo 1 seen from w_i, relative to their area",
+       [](const Parameters& p, Direction wi, Direction) {
+         return Rgb(vmf_sigma_fit(wi.z, vmf_alpha(p.number("roughness"))));
+       }},
+      {"albedo_map",
+       "flake albedo for the diffuse albedo that is given as `albedo`, section 5; of no direction",
+       [](const Parameters& p, Direction, Direction) {
+         const Rgb k = p.color("albedo");
+         const double r = p.number("roughness");
+         return Rgb(vmf_diffuse_albedo(k.r, r), vmf_diffuse_albedo(k.g, r),
+                    vmf_diffuse_albedo(k.b, r));
+       }}};
+  for (int order = 1; order <= 3; ++order)
+    for (int m = 0; m <= 2; ++m)
+      list.push_back({"f" + std::to_string(order) + "_mode" + std::to_string(m),
+                      "printed azimuthal mode of order " + std::to_string(order) +
+                          " at albedo 1, without its cosine [1/sr]",
+                      [order, m](const Parameters& p, Direction wi, Direction wo) {
+                        return Rgb(vmf_diffuse_mode(order, m, p.number("roughness"),
+                                                    std::max(std::abs(wi.z), kGrazingLimit),
+                                                    std::max(std::abs(wo.z), kGrazingLimit)));
+                      }});
+  return list;
+}
+
 ModelInfo info(std::string name, std::string doc, bool printed) {
   return {.name = std::move(name),
           .doc = std::move(doc),
@@ -176,7 +203,8 @@ ModelInfo info(std::string name, std::string doc, bool printed) {
                                    ? layer->parameters.number("roughness")
                                    : root * root);
             return p;
-          }};
+          },
+          .parts = parts()};
 }
 
 }  // namespace

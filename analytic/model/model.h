@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -96,6 +98,17 @@ struct PartInfo {
   /// From checked, complete parameters.
   std::function<Rgb(const Parameters& parameters, Direction wi, Direction wo)> eval;
 };
+
+/// A part whose values follow channel by channel from the parameter `albedo` and the cosine of w_i:
+/// f(albedo, mu_i).
+template <class F>
+[[nodiscard]] PartInfo part_of_albedo(std::string name, std::string doc, const F& f) {
+  return {std::move(name), std::move(doc), [f](const Parameters& p, Direction wi, Direction) {
+            const Rgb albedo = p.color("albedo");
+            const double mu = std::max(std::abs(wi.z), kGrazingLimit);
+            return Rgb(f(albedo.r, mu), f(albedo.g, mu), f(albedo.b, mu));
+          }};
+}
 
 /// A closed form as `lamella models` knows it.
 struct ModelInfo {
