@@ -39,7 +39,7 @@ void define_accuracy(CommandLine& line) {
 
 void define_bench(CommandLine& line) {
   CLI::App& command = line.add("bench", "Speed against error, with baselines",
-                               "lamella bench --quick --json bench.json",
+                               "lamella bench --quick --only walks --json bench.json",
                                [&] { return bench_command(line.options); });
   add_seed(command, line);
   add_threads(command, line, "Threads of the scaling row");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phase/stack/stack_file.h"
+#include "phase/stack/stack_file_error.h"
 
 namespace lamella {
 namespace {
