@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "compare/command/command.h"
 #include "compare/command_line/command_words.h"
 #include "compare/command_line/option_definitions.h"
@@ -33,6 +35,15 @@ void define_rerun(CommandLine& line) {
   add_json(command, line);
 }
 
+// A part file is there; what is in it is its reader's to tell.
+CLI::Validator part_argument() {
+  return {[](std::string& text) {
+            if (!text.empty() && std::filesystem::exists(text)) return std::string();
+            return fmt::format("found \"{}\", which is not there; allowed: a part file", text);
+          },
+          ""};
+}
+
 void define_merge(CommandLine& line) {
   CLI::App& command =
       line.add("merge", "The parts of a run (--shard) put together",
@@ -40,7 +51,7 @@ void define_merge(CommandLine& line) {
                "$i.part; done; lamella merge 1.part 2.part -o merged.exr",
                [&] { return merge_command(line.options, line.words, line.pictures); });
   command.add_option("PART", line.words, "All part files of the run, in any order")
-      ->transform(named("a part file"))
+      ->transform(part_argument())
       ->required()
       ->expected(1, -1);
   command
