@@ -47,6 +47,9 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
 int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);
+/// Puts the parts of a divided run together. `paths`: of part files.
+int merge_command(const Options& options, const std::vector<std::string>& paths,
+                  const std::vector<std::string>& pictures);
 /// `format`: mitsuba, pbrt, merl, npz or csv; `size`: small, medium or large, of tensor files.
 int export_command(const Options& options, const std::string& format, const std::string& size);
 /// Measured materials of other programs' formats as lobes.

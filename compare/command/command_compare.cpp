@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
+#include "compare/command/divided_run.h"
 #include "compare/command/picture_options.h"
 #include "compare/exchange/measured_comparison.h"
 #include "compare/files/folder_lock.h"
@@ -16,9 +18,11 @@
 #include "compare/report/lobe_files.h"
 #include "compare/report/report_page.h"
 #include "compare/report/wrapped_text.h"
+#include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "compare/request/run_monitor.h"
+#include "compare/request/stack_parameters.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
 #include "phase/stack/stack_paths.h"
@@ -54,13 +58,15 @@ CommandAnswer compare_answer(const Options& options, const Stack& stack,
   return {comparison_json(request, comparison), is_too_far(comparison, options) ? kFailed : kDone};
 }
 
-int compare_command(const Options& options, const std::vector<std::string>& pictures) {
-  if (is_measured_file(options.stack)) return compare_measured_command(options, pictures);
-  const TruthRequest request = truth_request(options, stack_of(options));
+namespace {
+
+int compare_run(const DividedRun& run, const RunMonitor& monitor) {
+  const Options& options = run.options;
+  const TruthRequest request = truth_request(options, run.stack);
   const Stack& stack = request.stack;
-  const std::vector<PictureFormat> formats = picture_formats_of(pictures);
+  const std::vector<PictureFormat> formats = picture_formats_of(run.pictures);
   if (options.preview) check_preview("compare --preview", stack);
-  GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
+  GroundTruth truth(request, Estimator::analog, monitor);
   const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
   const InputFiles inputs(stack, objects_of(models));
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
@@ -74,7 +80,6 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
   std::string summary = comparison_summary(request, comparison);
   const int drawn = write_comparison_files(folder, request, comparison, formats, inputs);
   if (options.preview && !user_interrupt) {
-    const RunMonitor monitor = terminal_monitor(options);
     const LobeTable lobes = LobeTable::make(preview_request(request), monitor.stop, monitor.solver);
     if (monitor.finished) monitor.finished();
     const PreviewLighting lighting;
@@ -109,6 +114,37 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
   }
   write_json(answer, options.json);
   return is_too_far(comparison, options) ? kFailed : kDone;
+}
+
+void check_comparison(const DividedRun& run) {
+  check_walks_are_given(truth_request(run.options, run.stack));
+  for (const ModelRequest& request : model_requests(run.options))
+    if (is_plugin_path(request.name))
+      throw UsageError(fmt::format(
+          "--shard: found --model {}, a shared object, which a part file cannot hold; allowed: "
+          "closed forms that lamella models lists",
+          request.name));
+  for (const ModelRequest& request : model_requests(run.options))
+    check_request(without_stack_key(request, run.stack));
+}
+
+}  // namespace
+
+const DividedCommand& compare_divided() {
+  static const DividedCommand command{"compare", "FOLDER", check_comparison, find_truths,
+                                      compare_run};
+  return command;
+}
+
+int compare_command(const Options& options, const std::vector<std::string>& pictures) {
+  if (is_measured_file(options.stack)) {
+    if (!options.shard.empty() || !options.checkpoint.empty())
+      throw UsageError(
+          "--shard and --checkpoint: found a measured material, which takes no walks; allowed: a "
+          "stack");
+    return compare_measured_command(options, pictures);
+  }
+  return do_divided(compare_divided(), {"compare", options, stack_of(options), {}, {}, pictures});
 }
 
 }  // namespace lamella

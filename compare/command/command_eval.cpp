@@ -6,11 +6,14 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <sstream>
 
 #include "analytic/catalogue/model_plugin.h"
 #include "analytic/model/grazing_pair.h"
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
+#include "compare/command/divided_run.h"
+#include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
 #include "compare/judge/pair_truth.h"
 #include "compare/options/progress.h"
@@ -117,11 +120,8 @@ CsvAnswer eval_medium(const std::string& what, const KeyValues& given,
   return answer;
 }
 
-CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Options& options) {
-  const auto stack = take_stack(values, "truth", pairs);
-  if (!stack)
-    throw UsageError(
-        "truth: key \"stack\": found nothing; allowed: a stack file, - or a built-in stack");
+// What `truth` with these keys asks for. Of a run in parts the stack's key is gone.
+TruthRequest truth_request_of(KeyValues values, const Stack& stack, const Options& options) {
   const auto walks = take(values, "walks");
   const auto estimator = take(values, "estimator");
   const auto seed = take(values, "seed");
@@ -142,8 +142,7 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
         "truth: key \"{}\": unknown; allowed: stack, walks, estimator, seed, tolerance, "
         "time (seconds of estimator=deterministic)",
         values[0].first));
-  check_pairs(pairs, *stack);
-  TruthRequest request = truth_request(options, *stack);
+  TruthRequest request = truth_request(options, stack);
   request.estimator = parse_estimator(estimator.value_or("auto"));
   if (walks) {
     request.effort.walks = parse_walks(*walks);
@@ -172,9 +171,15 @@ CsvAnswer eval_truth(KeyValues values, const DirectionPairs& pairs, const Option
           fmt::format("truth: key \"seed\": found \"{}\"; allowed: a whole number", *seed));
     request.seed = *number;
   }
+  return request;
+}
+
+CsvAnswer eval_truth(const TruthRequest& request, const DirectionPairs& pairs,
+                     const RunMonitor& monitor) {
+  const Stack& stack = request.stack;
+  check_pairs(pairs, stack);
   CsvAnswer answer;
-  answer.color = !stack->is_grey() || (stack->has_grid() && make_plan(*stack).channels == 3);
-  const RunMonitor monitor = terminal_monitor(options);
+  answer.color = !stack.is_grey() || (stack.has_grid() && make_plan(stack).channels == 3);
   const PairTruth truth = truth_of_pairs(request, pairs.pairs, monitor);
   answer.f = truth.f;
   answer.standard_error = truth.error;
@@ -288,32 +293,18 @@ std::string row_text(const Rgb& v, bool color) {
                : fmt::format(",{:.17g}", v.r);
 }
 
-}  // namespace
+DirectionPairs pairs_of(const std::string& path) {
+  if (path == "-") return read_pairs(std::cin, kStdin);
+  std::ifstream file(path);
+  const bool folder = std::filesystem::is_directory(path);
+  if (!file || folder)
+    throw UsageError(fmt::format("{}: {}; allowed: a CSV file of direction pairs, or -", path,
+                                 std::strerror(folder ? EISDIR : errno)));
+  return read_pairs(file, path);
+}
 
-int eval_command(const Options& options, const std::vector<std::string>& words) {
-  DirectionPairs pairs;
-  if (options.pairs == "-") {
-    pairs = read_pairs(std::cin, kStdin);
-  } else {
-    std::ifstream file(options.pairs);
-    const bool folder = std::filesystem::is_directory(options.pairs);
-    if (!file || folder)
-      throw UsageError(fmt::format("{}: {}; allowed: a CSV file of direction pairs, or -",
-                                   options.pairs, std::strerror(folder ? EISDIR : errno)));
-    pairs = read_pairs(file, options.pairs);
-  }
-  const std::string& what = words[0];
-  CsvAnswer answer;
-  try {
-    if (what == "truth")
-      answer = eval_truth(parse_model_words(words).values, pairs, options);
-    else if (what.starts_with("media."))
-      answer = eval_medium(what, parse_model_words(words).values, pairs.pairs);
-    else
-      answer = eval_model(what, parse_model_words(words).values, pairs);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("{}: {}", what, error.what()));
-  }
+std::string csv_text(const std::string& what, const DirectionPairs& pairs,
+                     const CsvAnswer& answer) {
   std::string text = pairs.header + (answer.color ? ",f_r,f_g,f_b" : ",f");
   if (!answer.standard_error.empty()) text += answer.color ? ",se_r,se_g,se_b" : ",se";
   text += '\n';
@@ -326,7 +317,81 @@ int eval_command(const Options& options, const std::vector<std::string>& words) 
     if (!answer.standard_error.empty()) text += row_text(answer.standard_error[k], answer.color);
     text += '\n';
   }
-  fmt::print("{}", text);
+  return text;
+}
+
+// The pairs of a run in parts, and what it asks for.
+DirectionPairs pairs_in(const DividedRun& run) {
+  std::istringstream text(run.input);
+  return read_pairs(text, run.options.pairs.empty() ? "pairs" : run.options.pairs);
+}
+
+TruthRequest truth_request_in(const DividedRun& run) {
+  std::vector<std::string> words{"truth"};
+  words.insert(words.end(), run.words.begin(), run.words.end());
+  return truth_request_of(parse_model_words(words).values, run.stack, run.options);
+}
+
+void find_pairs(const DividedRun& run, const RunMonitor& monitor) {
+  (void)eval_truth(truth_request_in(run), pairs_in(run), monitor);
+}
+
+int eval_run(const DividedRun& run, const RunMonitor& monitor) {
+  const DirectionPairs pairs = pairs_in(run);
+  const std::string text =
+      csv_text("truth", pairs, eval_truth(truth_request_in(run), pairs, monitor));
+  if (run.options.output.empty())
+    fmt::print("{}", text);
+  else
+    write_file(run.options.output, text);
+  return kDone;
+}
+
+// eval truth, as it can be divided: the stack and the pairs themselves, not where they are from.
+int eval_truth_command(const Options& options, KeyValues values, const DirectionPairs& pairs) {
+  const auto stack = take_stack(values, "truth", pairs);
+  if (!stack)
+    throw UsageError(
+        "truth: key \"stack\": found nothing; allowed: a stack file, - or a built-in stack");
+  check_pairs(pairs, *stack);
+  DividedRun run{"eval", options, *stack};
+  for (const auto& [key, value] : values) run.words.push_back(key + "=" + value);
+  run.input = pairs.header + "\n";
+  for (const std::string& row : pairs.rows) run.input += row + "\n";
+  return do_divided(eval_divided(), run);
+}
+
+}  // namespace
+
+const DividedCommand& eval_divided() {
+  static const DividedCommand command{
+      "eval", "FILE.csv",
+      [](const DividedRun& run) { check_walks_are_given(truth_request_in(run)); }, find_pairs,
+      eval_run};
+  return command;
+}
+
+int eval_command(const Options& options, const std::vector<std::string>& words) {
+  const DirectionPairs pairs = pairs_of(options.pairs);
+  const std::string& what = words[0];
+  if (what != "truth" && !options.shard.empty())
+    throw UsageError(
+        fmt::format("--shard: found {}, which is no work to divide; allowed: truth", what));
+  CsvAnswer answer;
+  try {
+    if (what == "truth") return eval_truth_command(options, parse_model_words(words).values, pairs);
+    if (what.starts_with("media."))
+      answer = eval_medium(what, parse_model_words(words).values, pairs.pairs);
+    else
+      answer = eval_model(what, parse_model_words(words).values, pairs);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("{}: {}", what, error.what()));
+  }
+  const std::string text = csv_text(what, pairs, answer);
+  if (options.output.empty())
+    fmt::print("{}", text);
+  else
+    write_file(options.output, text);
   return kDone;
 }
 

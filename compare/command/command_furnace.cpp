@@ -4,6 +4,7 @@
 
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
+#include "compare/command/divided_run.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
 #include "compare/judge/model_furnace.h"
@@ -211,7 +212,7 @@ CommandAnswer stack_furnace(const Options& options, TruthRequest request, const 
         stack.one_sidedness() != 0 && !specular && !truth.is_stopped()) {
       const RadianceCheck check =
           run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
-                           : check_radiance(stack, plan, wi, run.walks, request.seed, truth.stop());
+                           : check_radiance(stack, plan, wi, run.walks, request.seed, monitor);
       entry["radiance"] = {{"measured", check.measured},
                            {"standard_error", check.standard_error},
                            {"predicted", check.predicted},
@@ -267,15 +268,30 @@ CommandAnswer furnace_answer(const Options& options, const Stack& stack,
                                 : model_furnace(options, stack, true, request, nullptr);
 }
 
-int furnace_command(const Options& options) {
+namespace {
+
+// Of a stack's walks: models have none, and the solver's are seconds of work.
+void check_furnace(const DividedRun& run) {
+  if (!run.options.models.empty())
+    throw UsageError(
+        "--shard: found --model, a furnace without walks; allowed: the furnace of a stack");
+  const TruthRequest request = truth_request(run.options, run.stack);
+  if (request.estimator == Estimator::deterministic)
+    throw UsageError(
+        "--shard: found a furnace of --estimator deterministic, which is no work to divide; "
+        "allowed: --walks N");
+  check_walks_are_given(request);
+}
+
+int furnace_run(const DividedRun& run, const RunMonitor& monitor) {
+  const Options& options = run.options;
   if (!options.html.empty()) check_output_file(options.html);
-  const Stack given = stack_of(options);
-  const TruthRequest request = furnace_request(options, given);
+  const TruthRequest request = furnace_request(options, run.stack);
   std::FILE* out = options.quiet ? nullptr : table_stream(options);
   const bool of_models = !options.models.empty();
   const CommandAnswer found =
-      of_models ? model_furnace(options, given, !options.stack.empty(), request, out)
-                : stack_furnace(options, request, terminal_monitor(options), out);
+      of_models ? model_furnace(options, run.stack, !options.stack.empty(), request, out)
+                : stack_furnace(options, request, monitor, out);
   if (!options.html.empty()) {
     if (of_models)
       write_report_page(options.html, "White furnace of closed forms", found.json,
@@ -285,6 +301,21 @@ int furnace_command(const Options& options) {
   }
   write_json(found.json, options.json);
   return found.status;
+}
+
+}  // namespace
+
+const DividedCommand& furnace_divided() {
+  static const DividedCommand command{"furnace", "", check_furnace,
+                                      [](const DividedRun& run, const RunMonitor& monitor) {
+                                        (void)furnace_answer(run.options, run.stack, monitor);
+                                      },
+                                      furnace_run};
+  return command;
+}
+
+int furnace_command(const Options& options) {
+  return do_divided(furnace_divided(), {"furnace", options, stack_of(options)});
 }
 
 }  // namespace lamella

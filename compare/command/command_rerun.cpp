@@ -53,18 +53,6 @@ std::string attribute_or_nothing(const ExrImage& image, const std::string& name)
   return found == image.attributes.end() ? "" : found->second;
 }
 
-// The stack with its grids where the files that were read lie now.
-Stack with_found_files(Stack stack, const ExrImage& image, const fs::path& path) {
-  for (Layer& layer : stack.layers)
-    if (layer.grid && is_file(*layer.grid)) {
-      const fs::path found = find_recorded(layer.grid->file, attribute_or_nothing(image, "files"),
-                                           path.parent_path(), path.string());
-      layer.grid->folder = found.parent_path().string();
-      layer.grid->file = found.filename().string();
-    }
-  return stack;
-}
-
 RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   const auto text = [&](const std::string& name) { return attribute(image, path, name); };
   const auto broken = [&](const std::string& name) {
@@ -130,7 +118,8 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   }
   if (request.directions.empty() || recorded.walks.size() != request.directions.size())
     throw broken("walks");
-  recorded.found = with_found_files(request.stack, image, path);
+  recorded.found = with_found_files(request.stack, attribute_or_nothing(image, "files"),
+                                    fs::path(path).parent_path(), path);
   recorded.model = attribute_or_nothing(image, "model");
   // With a slash, so that it is a path whatever its name is.
   if (const std::string file = attribute_or_nothing(image, "model_file"); !file.empty())

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "compare/command/command.h"
+#include "compare/command/divided_run.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -64,13 +65,12 @@ void print_run(std::FILE* out, const RunResult& run) {
                run.holes);
 }
 
-}  // namespace
-
-int simulate_command(const Options& options) {
-  const TruthRequest request = truth_request(options, stack_of(options));
+int simulate_run(const DividedRun& run_of, const RunMonitor& monitor) {
+  const Options& options = run_of.options;
+  const TruthRequest request = truth_request(options, run_of.stack);
   const InputFiles inputs(request.stack);
   const Stack& stack = request.stack;
-  GroundTruth truth(request, Estimator::analog, terminal_monitor(options));
+  GroundTruth truth(request, Estimator::analog, monitor);
   if (!options.output.empty()) check_output_file(options.output);
   std::vector<RunResult> runs;
   for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
@@ -108,6 +108,20 @@ int simulate_command(const Options& options) {
   add_files(answer, inputs);
   write_json(answer, options.json);
   return kDone;
+}
+
+}  // namespace
+
+const DividedCommand& simulate_divided() {
+  static const DividedCommand command{
+      "simulate", "FILE.exr",
+      [](const DividedRun& run) { check_walks_are_given(truth_request(run.options, run.stack)); },
+      find_truths, simulate_run};
+  return command;
+}
+
+int simulate_command(const Options& options) {
+  return do_divided(simulate_divided(), {"simulate", options, stack_of(options)});
 }
 
 }  // namespace lamella

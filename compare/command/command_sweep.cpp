@@ -7,6 +7,7 @@
 
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
+#include "compare/command/divided_run.h"
 #include "compare/distribute/sweep_points.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
@@ -17,10 +18,12 @@
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
+#include "compare/request/run_keeper.h"
 #include "compare/request/stack_parameters.h"
 #include "compare/request/substrate_model.h"
 #include "compare/request/sweep_axis.h"
 #include "compare/request/truth_request.h"
+#include "compare/shards/merged_keeper.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "phase/stack/stack_paths.h"
@@ -90,7 +93,7 @@ CommandAnswer point_answer(const Options& options, const Stack& stack, const Run
 }
 
 // In words, where the sweep of a folder is another than the one that is asked for.
-std::string difference_of_settings(const Json& there, const Json& asked) {
+std::string difference_of_sweeps(const Json& there, const Json& asked) {
   if (const Json files = there.value("files", Json::array()); files != asked["files"])
     for (const Json& file : asked["files"])
       for (const Json& other : files)
@@ -102,16 +105,7 @@ std::string difference_of_settings(const Json& there, const Json& asked) {
     if (std::none_of(asked["files"].begin(), asked["files"].end(), is_it))
       return fmt::format("{} was read there and is not now", other.value("name", ""));
   }
-  for (const auto& [key, value] : asked.items()) {
-    const Json other = there.value(key, Json());
-    if (other == value) continue;
-    const std::string was = other.dump(), is = value.dump();
-    constexpr std::size_t kShort = 60;
-    return was.size() > kShort || is.size() > kShort
-               ? fmt::format("its {} differs", key)
-               : fmt::format("its {} is {} instead of {}", key, was, is);
-  }
-  return "it has settings that are unknown here";
+  return difference_of_settings(there, asked);
 }
 
 // The exit status that an answer stands for, as the command that gave it had it.
@@ -130,17 +124,68 @@ int point_status(const Json& answer, const Options& options) {
   return kDone;
 }
 
-}  // namespace
-
-int sweep_command(const Options& options) {
-  const TruthRequest request = truth_request(options, stack_of(options));
-  const Stack& stack = request.stack;
+std::vector<SweepAxis> axes_of(const Options& options) {
   std::vector<SweepAxis> axes;
   for (const std::string& text : options.sets) axes.push_back(parse_sweep_axis(text));
+  return axes;
+}
+
+// Before any work: every point's stack and every model can be read.
+void check_sweep(const DividedRun& run) {
+  SweepPoints(run.stack, axes_of(run.options)).check();
+  for (const ModelRequest& request : model_requests(run.options))
+    check_request(without_stack_key(request, run.stack));
+}
+
+// A line per point is told instead of its progress, and a warning once: what is odd about a grid's
+// file is the same at every point.
+RunMonitor monitor_of_points(RunMonitor monitor) {
+  monitor.progress = {};
+  monitor.solver = {};
+  monitor.finished = {};
+  monitor.keeper = nullptr;
+  monitor.warning = [told = std::set<std::string>(),
+                     warn = monitor.warning](const std::string& message) mutable {
+    if (told.insert(message).second && warn) warn(message);
+  };
+  return monitor;
+}
+
+// A part of a sweep: the answers of some points, their files named from where the part will lie.
+void find_points(const DividedRun& run, const RunMonitor& monitor) {
+  const Options& options = run.options;
+  const SweepPoints sweep(with_files_relative_to(run.stack, ""), axes_of(options));
+  const fs::path folder = fs::path(options.output).parent_path();
+  const RunMonitor of_points = monitor_of_points(monitor);
+  const InputFiles inputs(run.stack);
+  for (std::size_t k = 0; k < sweep.count() && !user_interrupt; ++k)
+    (void)monitor.keeper->piece([&] {
+      const std::string name = SweepPoints::name(k);
+      CommandAnswer found = point_answer(
+          options,
+          with_surface_model(parse_stack(sweep.toml(k), fmt::format("--set, point {}", k), name)),
+          of_points);
+      add_files(found.json, inputs);
+      if (!options.quiet) fmt::print("{} of {}: {}\n", k + 1, sweep.count(), sweep.values(k));
+      return named_for(std::move(found.json), folder).dump();
+    });
+}
+
+// The answer of a point that is kept, its files named for the folder of points.
+Json kept_answer(const std::string& text, const fs::path& from, const fs::path& points) {
+  Json answer = Json::parse(text, nullptr, false);
+  if (!answer.is_object())
+    throw UsageError("found no answer of a point; allowed: parts that lamella sweep wrote");
+  return named_for(std::move(answer), points, from);
+}
+
+int sweep_run(const DividedRun& run, const RunMonitor& of_run) {
+  const Options& options = run.options;
+  const TruthRequest request = truth_request(options, run.stack);
+  const Stack& stack = request.stack;
+  check_sweep(run);
+  const std::vector<SweepAxis> axes = axes_of(options);
   const SweepPoints sweep(stack, axes);
-  sweep.check();
-  for (const ModelRequest& request_of_model : model_requests(options))
-    check_request(without_stack_key(request_of_model, stack));
   const std::size_t count = sweep.count();
   const fs::path folder = options.output.empty() ? stack.name + "-sweep" : options.output;
   const fs::path points = folder / "points";
@@ -151,20 +196,12 @@ int sweep_command(const Options& options) {
   if (const auto found = read_json(folder / "settings.json"); found && *found != settings)
     throw UsageError(
         fmt::format("{}: found another sweep, {}; allowed: -o with a folder of its own",
-                    (folder / "settings.json").string(), difference_of_settings(*found, settings)));
+                    (folder / "settings.json").string(), difference_of_sweeps(*found, settings)));
   write_file(folder / "settings.json", settings.dump(2) + "\n");
 
   const SweepPoints written(with_files_relative_to(stack, points), axes);
   std::FILE* out = table_stream(options);
-  RunMonitor monitor = terminal_monitor(options);
-  monitor.progress = {};  // a line per point is told
-  monitor.solver = {};
-  monitor.finished = {};
-  // What is odd about a grid's file is the same at every point.
-  std::set<std::string> told;
-  monitor.warning = [&told, warn = monitor.warning](const std::string& message) {
-    if (told.insert(message).second) warn(message);
-  };
+  const RunMonitor monitor = monitor_of_points(of_run);
   Json list = Json::array();
   int status = kDone;
   std::size_t done = 0;
@@ -172,9 +209,14 @@ int sweep_command(const Options& options) {
     const fs::path answer_file = points / (SweepPoints::name(k) + ".json");
     std::optional<Json> answer = read_json(answer_file);
     const bool was_there = answer.has_value();
-    if (!was_there) {
-      const fs::path stack_file = points / (SweepPoints::name(k) + ".toml");
-      write_file(stack_file, written.toml(k));
+    std::optional<std::string> kept;
+    if (of_run.keeper) kept = of_run.keeper->piece({});
+    const fs::path stack_file = points / (SweepPoints::name(k) + ".toml");
+    if (!was_there) write_file(stack_file, written.toml(k));
+    if (!was_there && kept) {
+      answer = kept_answer(*kept, run.folder, points);
+      write_file(answer_file, answer->dump(2) + "\n");
+    } else if (!was_there) {
       inputs.check();
       CommandAnswer found =
           point_answer(options, with_surface_model(load_stack(stack_file.string())), monitor);
@@ -211,6 +253,17 @@ int sweep_command(const Options& options) {
   }
   write_json(result, options.json);
   return status;
+}
+
+}  // namespace
+
+const DividedCommand& sweep_divided() {
+  static const DividedCommand command{"sweep", "FOLDER", check_sweep, find_points, sweep_run};
+  return command;
+}
+
+int sweep_command(const Options& options) {
+  return do_divided(sweep_divided(), {"sweep", options, stack_of(options)});
 }
 
 }  // namespace lamella

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "compare/command/command.h"
 #include "compare/command_line/command_words.h"
 #include "compare/command_line/option_definitions.h"
@@ -29,6 +31,37 @@ void define_rerun(CommandLine& line) {
       ->required()
       ->type_name("FILE.exr");
   add_output(command, line, "FILE.exr", "Write the repeated file");
+  add_threads(command, line);
+  add_json(command, line);
+}
+
+// A part file is there; what is in it is its reader's to tell.
+CLI::Validator part_argument() {
+  return {[](std::string& text) {
+            if (!text.empty() && std::filesystem::exists(text)) return std::string();
+            return fmt::format("found \"{}\", which is not there; allowed: a part file", text);
+          },
+          ""};
+}
+
+void define_merge(CommandLine& line) {
+  CLI::App& command =
+      line.add("merge", "The parts of a run (--shard) put together",
+               "for i in 1 2; do lamella simulate sggx_slab --wi 45 --walks 1e4 --shard $i/2 -o "
+               "$i.part; done; lamella merge 1.part 2.part -o merged.exr",
+               [&] { return merge_command(line.options, line.words, line.pictures); });
+  command.add_option("PART", line.words, "All part files of the run, in any order")
+      ->transform(part_argument())
+      ->required()
+      ->expected(1, -1);
+  command
+      .add_option("-o,--output", line.options.output,
+                  "What the run would have written: FILE.exr of simulate, the folder of compare "
+                  "and sweep, FILE.csv of eval")
+      ->transform(named("a file or folder to write"))
+      ->type_name("RESULT");
+  add_pictures(command, line);
+  add_html(command, line);
   add_threads(command, line);
   add_json(command, line);
 }
@@ -140,6 +173,7 @@ void define_completion(CommandLine& line) {
 void define_file_commands(CommandLine& line) {
   define_show(line);
   define_rerun(line);
+  define_merge(line);
   define_export(line);
   define_import(line);
   define_grid(line);

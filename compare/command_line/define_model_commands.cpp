@@ -23,6 +23,7 @@ void define_eval(CommandLine& line) {
   add_walk_limits(command, line);
   add_seed(command, line);
   add_threads(command, line);
+  add_shard(command, line, "FILE.csv", "Write the values there instead of stdout");
 }
 
 void define_accuracy(CommandLine& line) {

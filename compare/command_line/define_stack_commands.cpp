@@ -10,7 +10,8 @@ void define_simulate(CommandLine& line) {
                                [&] { return simulate_command(line.options); });
   add_run_options(command, line);
   add_grid(command, line);
-  add_output(command, line, "FILE.exr", "Write the lobes to FILE.exr");
+  add_shard(command, line, "FILE.exr", "Write the lobes to FILE.exr");
+  add_checkpoint(command, line);
 }
 
 void define_compare(CommandLine& line) {
@@ -25,8 +26,9 @@ void define_compare(CommandLine& line) {
                    "Also a sphere and a plane under light, in the folder and in the report (see "
                    "lamella preview)");
   add_pictures(command, line);
-  add_output(command, line, "FOLDER",
-             "Folder for EXR, pictures and report (default ./NAME-compare)");
+  add_shard(command, line, "FOLDER",
+            "Folder for EXR, pictures and report (default ./NAME-compare)");
+  add_checkpoint(command, line);
 }
 
 void define_furnace(CommandLine& line) {
@@ -44,6 +46,7 @@ void define_furnace(CommandLine& line) {
   command.add_flag("--as-is", line.options.as_is, "Keep albedos, substrate and f0");
   command.add_flag("--strict", line.options.strict, "Exit 1 also when inconclusive");
   add_html(command, line);
+  add_shard(command, line, "", "");
 }
 
 void define_sweep(CommandLine& line) {
@@ -67,9 +70,9 @@ void define_sweep(CommandLine& line) {
       ->transform(one_of({"compare", "furnace"}))
       ->type_name("compare|furnace");
   command.add_flag("--as-is", line.options.as_is, "Furnaces keep albedos, substrate and f0");
-  add_output(command, line, "FOLDER",
-             "Folder of answers and page; a sweep that was stopped goes on there (default "
-             "./NAME-sweep)");
+  add_shard(command, line, "FOLDER",
+            "Folder of answers and page; a sweep that was stopped goes on there (default "
+            "./NAME-sweep)");
 }
 
 void define_preview(CommandLine& line) {

@@ -10,8 +10,10 @@
 
 #include "compare/drawing/picture_format.h"
 #include "compare/files/output_folder.h"
+#include "compare/request/errors.h"
 #include "compare/request/model_file.h"
 #include "compare/request/numbers.h"
+#include "compare/shards/job_array.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -54,6 +56,20 @@ CLI::Validator power_of_two_or_none() {
               return fmt::format("found \"{}\"; allowed: 0, or a power of two up to {}", text,
                                  kMost);
             text = fmt::format("{}", *value);
+            return std::string();
+          },
+          ""};
+}
+
+CLI::Validator one_part() {
+  return {[](std::string& text) {
+            try {
+              (void)shard_from(text, process_environment());
+            } catch (const UsageError& error) {
+              // The parser puts the option's name before it.
+              const std::string reason = error.what();
+              return reason.substr(reason.find("found"));
+            }
             return std::string();
           },
           ""};
@@ -258,6 +274,50 @@ void add_output(CLI::App& command, CommandLine& line, const std::string& type,
   command.add_option("-o,--output", line.options.output, doc)
       ->transform(output_of(type))
       ->type_name(type);
+}
+
+void add_shard(CLI::App& command, CommandLine& line, const std::string& type,
+               const std::string& doc) {
+  command
+      .add_option(
+          "--shard", line.options.shard,
+          "Do the part I of N parts, from 1 (see lamella merge); auto, auto/N: of a job array")
+      ->transform(one_part())
+      ->type_name("I/N|auto");
+  const CLI::Validator own = output_of(type.empty() ? "FILE.part" : type);
+  command
+      .add_option("-o,--output", line.options.output,
+                  (doc.empty() ? "" : doc + "; ") + "with --shard: the part, FILE.part")
+      ->transform(CLI::Validator(
+          [own](std::string& text) -> std::string {
+            if (!text.ends_with(".part")) return own(text);
+            check_output_file(text);
+            return "";
+          },
+          ""))
+      ->type_name(type.empty() ? "FILE.part" : type);
+}
+
+void add_checkpoint(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--checkpoint", line.options.checkpoint,
+                  "Keep what is done in FILE, every minute and where the run is interrupted; the "
+                  "same command goes on from there")
+      ->transform(CLI::Validator(
+          [own = output_of("FILE")](std::string& text) -> std::string {
+            if (text == "-" ||
+                (std::filesystem::exists(text) && !std::filesystem::is_regular_file(text) &&
+                 !std::filesystem::is_directory(text)))
+              return fmt::format("found \"{}\"; allowed: a file", text);
+            return own(text);
+          },
+          ""))
+      ->type_name("FILE");
+  command
+      .add_option("--checkpoint-every", line.options.checkpoint_every,
+                  "Seconds between two of them (default 60)")
+      ->transform(positive_number())
+      ->type_name("S");
 }
 
 void add_run_options(CLI::App& command, CommandLine& line) {

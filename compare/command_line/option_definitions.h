@@ -41,6 +41,11 @@ void add_max_error(CLI::App& command, CommandLine& line);
 void add_pictures(CLI::App& command, CommandLine& line);
 void add_output(CLI::App& command, CommandLine& line, const std::string& type,
                 const std::string& doc);
+/// --shard, and -o for the command's own output or a part file. `type`: of the own output; empty:
+/// there is none.
+void add_shard(CLI::App& command, CommandLine& line, const std::string& type,
+               const std::string& doc);
+void add_checkpoint(CLI::App& command, CommandLine& line);
 /// Of commands that find the truth of a stack along incident directions.
 void add_run_options(CLI::App& command, CommandLine& line);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
@@ -48,7 +49,7 @@ std::string content_hash(std::string_view bytes) {
   return hash.digits();
 }
 
-std::string content_hash_of_file(const std::filesystem::path& path) {
+std::string content_hash_of_file(const std::filesystem::path& path, std::uintmax_t bytes) {
   const auto fail = [&](const std::string& reason) {
     throw OutputError(fmt::format("cannot read {}: {}", path.string(), reason));
   };
@@ -61,8 +62,11 @@ std::string content_hash_of_file(const std::filesystem::path& path) {
   if (!file) fail(std::generic_category().message(errno));
   Sha256 hash;
   std::array<char, 1 << 16> piece{};
-  while (file.read(piece.data(), piece.size()) || file.gcount() > 0)
-    hash.add({piece.data(), static_cast<std::size_t>(file.gcount())});
+  while (bytes > 0 && (file.read(piece.data(), piece.size()) || file.gcount() > 0)) {
+    const auto count = std::min(static_cast<std::uintmax_t>(file.gcount()), bytes);
+    hash.add({piece.data(), static_cast<std::size_t>(count)});
+    bytes -= count;
+  }
   if (file.bad()) fail(std::generic_category().message(errno));
   return hash.digits();
 }

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "compare/files/output_folder.h"
 
@@ -44,7 +45,9 @@ bool is_still_there(int descriptor, const fs::path& path) {
 
 }  // namespace
 
-FolderLock::FolderLock(const fs::path& folder) : path_(folder / ".lamella-lock") {
+FolderLock::FolderLock(const fs::path& locked, fs::path lock, const char* what_it_does,
+                       const char* other)
+    : path_(std::move(lock)) {
   while (true) {
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0)
@@ -55,14 +58,13 @@ FolderLock::FolderLock(const fs::path& folder) : path_(folder / ".lamella-lock")
       const std::string holder = holder_of(descriptor_);
       ::close(descriptor_);
       throw FolderInUse(
-          fmt::format("{}: another run, {}, works in this folder; allowed: to wait for its end, or "
-                      "-o with a folder of its own",
-                      folder.string(), holder));
+          fmt::format("{}: another run, {}, {}; allowed: to wait for its end, or {} of its own",
+                      locked.string(), holder, what_it_does, other));
     } else if (errno != EINTR) {
       fmt::print(stderr,
                  "lamella: warning: {}: its file system has no locks ({}): see to it that no other "
                  "run works there\n",
-                 folder.string(), reason(errno));
+                 locked.string(), reason(errno));
       break;
     }
     ::close(descriptor_);

@@ -42,6 +42,16 @@ class OpenFile {
     }
     return {};
   }
+  /// What was written is on the disk, or the system says why not.
+  [[nodiscard]] std::error_code sync() {
+    while (::fsync(descriptor_) != 0) {
+      if (errno == EINTR) continue;
+      // Some file systems have nothing to do.
+      return errno == EINVAL || errno == ENOSYS || errno == ENOTSUP ? std::error_code()
+                                                                    : last_error();
+    }
+    return {};
+  }
   /// Some file systems tell of a full disk only now.
   [[nodiscard]] std::error_code close() {
     return ::close(std::exchange(descriptor_, -1)) == 0 ? std::error_code() : last_error();
@@ -67,6 +77,15 @@ void write_in_place(const fs::path& path, std::string_view bytes) {
   if (const auto error = file.close()) fail("write", path, error);
 }
 
+/// The new name is on the disk, too; a system that cannot say so has the file all the same.
+void sync_folder(const fs::path& of_file) {
+  const fs::path folder = of_file.has_parent_path() ? of_file.parent_path() : fs::path(".");
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
 void write_and_rename(const fs::path& path, std::string_view bytes) {
   fs::path temporary;
   int descriptor = -1;
@@ -77,9 +96,11 @@ void write_and_rename(const fs::path& path, std::string_view bytes) {
   if (descriptor < 0) fail("write", path, last_error());
   OpenFile file(descriptor, temporary);
   if (const auto error = file.write(bytes)) fail("write", path, error);
+  if (const auto error = file.sync()) fail("write", path, error);
   if (const auto error = file.close()) fail("write", path, error);
   if (::rename(temporary.c_str(), path.c_str()) != 0) fail("write", path, last_error());
   file.keep();
+  sync_folder(path);
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ void make_output_folder(const std::filesystem::path& folder);
 /// Throws OutputError where write_file would, so that long work does not fail at its end.
 void check_output_file(const std::filesystem::path& path);
 
-/// Writes a whole file, text or binary: a reader sees the old content or the new, never a part.
-/// The bytes go to a temporary name in the same folder, which then takes the file's place and is
-/// removed on failure. A symbolic link is followed; a pipe or a device is written to directly.
-/// Throws OutputError.
+/// Writes a whole file, text or binary: a reader sees the old content or the new, never a part,
+/// even where the power fails. The bytes go to a temporary name in the same folder, are synced to
+/// the disk, and then the name takes the file's place; on failure it is removed. A symbolic link is
+/// followed; a pipe or a device is written to directly. Throws OutputError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "compare/request/run_keeper.h"
 #include "phase/random/random.h"
 #include "volume/quadrature/quadrature.h"
 
@@ -123,7 +124,7 @@ FurnaceRun judge_furnace(const RunResult& run, const Simulation* batches, bool w
 }
 
 RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, std::uint64_t walks,
-                             std::uint64_t seed, const StopFlag* stop) {
+                             std::uint64_t seed, const RunMonitor& monitor) {
   // Rings are wider than the strata of the light: what is seen on one, as a function of where the
   // light comes from, is at least as wide as it, however narrow the lobes are.
   constexpr int kRings = 16, kStrata = 32, kDraws = 2, kNodes = 4;
@@ -146,7 +147,7 @@ RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, 
     const double mu2 = lowest + (x + 1) / 2 / kRings, weight = Rule::weights()[k / 2] / 2;
     const Direction v = direction_from_mu_phi(std::copysign(std::sqrt(mu2), w.z), 0);
     Simulation along(stack, plan, v, Estimator::analog, CellGrid{1, 1, false}, seed + k);
-    lamella::run(along, rule, {}, stop);
+    run_kept(along, rule, {}, monitor);
     const Estimate scattered = batch_estimate(along.batches(), [&](const BatchTally& b) {
       double sum = 0;
       for (int o = 0; o < kTallyOrders; ++o) sum += (w.z > 0 ? b.energy.down : b.energy.up)[o][0];
@@ -171,7 +172,7 @@ RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w, 
         const double mu = std::sqrt((k + stream.uniform()) / kStrata);
         Simulation node(stack, plan, direction_from_mu_phi(above ? mu : -mu, 0),
                         Estimator::next_event, CellGrid{kRings, 1, false}, seed + kNodes + draw);
-        lamella::run(node, rule, {}, stop);
+        run_kept(node, rule, {}, monitor);
         ++draw;
         const auto target = static_cast<std::size_t>(target_of(node.targets(), w.z > 0, ring));
         const std::size_t count = node.targets().count();

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "compare/request/interrupt.h"
+#include "compare/request/run_monitor.h"
 #include "volume/run/simulation.h"
 #include "volume/solver/deterministic.h"
 
@@ -59,11 +59,11 @@ struct RadianceCheck {
 /// Measures that radiance by walks from directions drawn over both hemispheres, and predicts it
 /// from the total transmittance of light entering along w reversed; both are means over the ring of
 /// directions within w's sixteenth of mu^2, so that no lobe is too narrow to be met. For stacks
-/// that are open below, symmetric about z and white, without delta flakes. `walks` in all; `stop`,
-/// once set, ends each part early.
+/// that are open below, symmetric about z and white, without delta flakes. `walks` in all; the
+/// monitor's `stop`, once set, ends each part early.
 [[nodiscard]] RadianceCheck check_radiance(const Stack& stack, const Plan& plan, Direction w,
                                            std::uint64_t walks, std::uint64_t seed,
-                                           const StopFlag* stop = nullptr);
+                                           const RunMonitor& monitor = {});
 
 /// The radiance furnace of a solved stack; errors are bounds.
 [[nodiscard]] RadianceCheck check_radiance(const DeterministicSolution& solution, Direction w);

@@ -8,6 +8,7 @@
 #include "compare/judge/missing_light.h"
 #include "compare/request/first_look.h"
 #include "compare/request/percent.h"
+#include "compare/request/run_keeper.h"
 #include "compare/truth/point_truth.h"
 #include "phase/math/larger_error.h"
 
@@ -74,24 +75,36 @@ void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSol
 PairTruth truth_of_pairs(const TruthRequest& request, const std::vector<DirectionPair>& pairs,
                          const RunMonitor& monitor) {
   PairTruth answer;
-  answer.choice = choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver,
-                                   TruthAt::pairs);
   std::vector<TruthValue> truth;
-  if (answer.is_solved()) {
+  const auto choose = [&] {
+    answer.choice = choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver,
+                                     TruthAt::pairs);
+    if (!answer.choice.solution) return;
     truth = truth_at(*answer.choice.solution, pairs, monitor.solver);
     if (const auto reason = why_no_answer(truth)) {
       if (request.estimator) refuse_answer(request.stack, *reason);
       answer.choice = EstimatorChoice{Estimator::next_event, *reason, nullptr};
     }
+  };
+  if (monitor.keeper && request.estimator == Estimator::deterministic) {
+    const auto kept = monitor.keeper->piece([&] {
+      choose();
+      return to_bytes(truth);
+    });
+    answer.choice.estimator = Estimator::deterministic;
+    if (truth.empty() && kept) truth = truth_values_from(*kept, pairs.size());
+  } else {
+    choose();
   }
   if (monitor.finished) monitor.finished();
   if (answer.is_solved()) {
-    warn_of_bounds(truth, *answer.choice.solution, request.tolerance, monitor);
+    if (answer.choice.solution)
+      warn_of_bounds(truth, *answer.choice.solution, request.tolerance, monitor);
   } else {
     const Plan plan = plan_of(request);
     for (const std::string& warning : plan.warnings) monitor.warn(warning);
     const FirstLook look(request, 1);
-    truth = truth_at(request.stack, plan, pairs, request.effort.walks, request.seed, monitor.stop,
+    truth = truth_at(request.stack, plan, pairs, request.effort.walks, request.seed, monitor,
                      look.has_clock() ? std::optional(kFirstLookSeconds) : std::nullopt);
     if (!monitor.is_stopped()) warn_of_few_walks(truth, request, monitor);
     warn_of_cut_walks(truth, plan, monitor);

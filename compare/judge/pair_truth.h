@@ -18,7 +18,7 @@ struct PairTruth {
   std::vector<Rgb> error;
 
   /// Whether the solver found it.
-  [[nodiscard]] bool is_solved() const { return choice.solution != nullptr; }
+  [[nodiscard]] bool is_solved() const { return choice.estimator == Estimator::deterministic; }
 };
 
 /// Finds it by the request's estimator, next-event walks or the solver; the request's own

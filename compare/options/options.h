@@ -44,6 +44,9 @@ struct Options {
   std::string of = "compare";                            ///< of sweep: compare or furnace
   std::string medium = "vmf_flake";                      ///< that stands for explicit geometry
   bool medium_given = false, walks_given = false;
+  std::string shard{};                       ///< I/N; empty: the whole run
+  std::string checkpoint{};                  ///< a file; empty: none
+  std::optional<double> checkpoint_every{};  ///< seconds
 };
 
 /// The incident directions, in the order given; the default set if there is none. Light from below

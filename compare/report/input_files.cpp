@@ -92,4 +92,15 @@ fs::path find_recorded(const std::string& name, const std::string& recorded, con
                   where, name, other.empty() ? "nothing" : other, *hash, where));
 }
 
+Stack with_found_files(Stack stack, const std::string& recorded, const fs::path& folder,
+                       const std::string& where) {
+  for (Layer& layer : stack.layers)
+    if (layer.grid && is_file(*layer.grid)) {
+      const fs::path found = find_recorded(layer.grid->file, recorded, folder, where);
+      layer.grid->folder = found.parent_path().string();
+      layer.grid->file = found.filename().string();
+    }
+  return stack;
+}
+
 }  // namespace lamella

@@ -48,4 +48,8 @@ class InputFiles {
                                                   const std::filesystem::path& folder,
                                                   const std::string& where);
 
+/// A stack of such a text, with its grids where find_recorded finds their files.
+[[nodiscard]] Stack with_found_files(Stack stack, const std::string& recorded,
+                                     const std::filesystem::path& folder, const std::string& where);
+
 }  // namespace lamella

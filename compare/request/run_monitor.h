@@ -9,6 +9,8 @@
 
 namespace lamella {
 
+class RunKeeper;
+
 /// Who watches while a truth is found, and may end it early. Each member may be absent; all are
 /// called in the thread that asked for the truth.
 struct RunMonitor {
@@ -21,6 +23,8 @@ struct RunMonitor {
   std::function<void()> finished{};
   /// One line where a run reached less than was asked for, or where a setting has no effect.
   std::function<void(const std::string& message)> warning{};
+  /// Where the run's walks are kept or divided (run_keeper.h).
+  RunKeeper* keeper = nullptr;
 
   [[nodiscard]] bool is_stopped() const { return is_set(stop); }
   void warn(const std::string& message) const {

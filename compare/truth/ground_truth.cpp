@@ -7,9 +7,12 @@
 #include <utility>
 
 #include "compare/request/interrupt.h"
+#include "compare/request/run_keeper.h"
 #include "compare/truth/pilot.h"
 #include "phase/math/degrees.h"
 #include "phase/math/larger_error.h"
+#include "volume/result/number_bytes.h"
+#include "volume/result/run_bytes.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic_run.h"
 
@@ -42,7 +45,7 @@ RunResult run_walks(Simulation& simulation, const StopRule& rule, const std::str
                     const RunMonitor& monitor) {
   std::function<void(const Progress&)> progress;
   if (monitor.progress) progress = [&](const Progress& p) { monitor.progress(label, p); };
-  const double seconds = run(simulation, rule, progress, monitor.stop);
+  const double seconds = run_kept(simulation, rule, progress, monitor);
   if (monitor.finished) monitor.finished();
   RunResult result = reduce(simulation);
   result.seconds = seconds;
@@ -68,6 +71,47 @@ GroundTruth::GroundTruth(TruthRequest request, Estimator of_walks, RunMonitor mo
 
 const EstimatorChoice& GroundTruth::choice() {
   if (choice_) return *choice_;
+  if (monitor_.keeper) {
+    const auto kept = monitor_.keeper->piece([&] {
+      choose();
+      return choice_bytes();
+    });
+    if (kept && !choice_) restore_choice(*kept);
+  }
+  if (!choice_) choose();
+  return *choice_;
+}
+
+std::string GroundTruth::choice_bytes() const {
+  NumberWriter out;
+  out.put(static_cast<std::uint32_t>(choice_->estimator));
+  out.put_text(choice_->reason);
+  out.put(static_cast<std::uint64_t>(solved_.size()));
+  for (const RunResult& run : solved_) out.put_text(to_bytes(run));
+  return out.take();
+}
+
+void GroundTruth::restore_choice(std::string_view bytes) {
+  NumberReader in(bytes);
+  const auto estimator = static_cast<Estimator>(in.get<std::uint32_t>());
+  if (estimator > Estimator::deterministic) throw DamagedBytes("it has an estimator that is none");
+  EstimatorChoice choice{estimator, std::string(in.get_text()), nullptr};
+  const auto count = in.get<std::uint64_t>();
+  if (count != (estimator == Estimator::deterministic ? directions().size() : 0))
+    throw DamagedBytes("it has another number of solved directions");
+  std::vector<RunResult> solved;
+  for (std::uint64_t k = 0; k < count; ++k) solved.push_back(run_from_bytes(in.get_text()));
+  in.end();
+  CellGrid grid = request_.cells;
+  grid.folded = plan_.folded && grid.phi_cells % 2 == 0;
+  for (const RunResult& run : solved)
+    if (run.channels != plan_.channels || run.grid.cells() != grid.cells())
+      throw DamagedBytes("it has solved cells of another grid");
+  choice_ = std::move(choice);
+  solved_ = std::move(solved);
+}
+
+void GroundTruth::choose() {
   choice_ = choose_estimator(request_, of_walks_, monitor_.stop, monitor_.solver);
   if (choice_->solution) solve_cells();
   if (choice_->has_harmonics()) solve_harmonics();
@@ -79,7 +123,6 @@ const EstimatorChoice& GroundTruth::choice() {
     choice_->estimator = found.best;
     choice_->reason += "; " + to_text(found);
   }
-  return *choice_;
 }
 
 void GroundTruth::warn_of_walk_settings() const {

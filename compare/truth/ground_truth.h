@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compare/request/first_look.h"
@@ -50,6 +51,10 @@ class GroundTruth {
   [[nodiscard]] Truth find(std::size_t k, std::optional<std::uint64_t> walks = {});
 
  private:
+  void choose();
+  // The choice and what was solved with it, as a keeper has them.
+  [[nodiscard]] std::string choice_bytes() const;
+  void restore_choice(std::string_view bytes);
   // The cells of the choice's solution, or walks in its place where they are better.
   void solve_cells();
   // The same of a stack without symmetry about the normal.

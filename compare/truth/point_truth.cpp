@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "compare/request/run_keeper.h"
+#include "volume/result/number_bytes.h"
 #include "volume/solver/closed_orders.h"
 
 namespace lamella {
@@ -23,6 +25,42 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// A pair among those of one incident direction.
+struct Point {
+  std::size_t pair;
+  Direction wo;
+  double factor;  // of reversing the pair
+};
+
+// What a direction's walks found at its points.
+std::vector<TruthValue> values_of(const Simulation& simulation, const std::vector<Point>& points) {
+  const Plan& plan = simulation.plan();
+  std::array<Estimate, 3> unresolved;
+  for (int c = 0; c < plan.channels; ++c)
+    unresolved[c] = batch_estimate(simulation.batches(),
+                                   [&](const BatchTally& b) { return b.energy.unresolved[c]; });
+  const std::size_t count = points.size();
+  std::vector<TruthValue> values(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    TruthValue& value = values[j];
+    value.walks = simulation.walks();
+    for (int c = 0; c < 3; ++c) {
+      const int channel = std::min(c, plan.channels - 1);
+      const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        double sum = 0;
+        for (int o = 0; o < plan.order_slots(); ++o)
+          sum += b.f[(static_cast<std::size_t>(o) * plan.channels + channel) * count + j];
+        return sum;
+      });
+      value.f[c] = points[j].factor * e.value;
+      value.standard_error[c] = points[j].factor * e.standard_error;
+      value.unresolved[c] = {points[j].factor * unresolved[channel].value,
+                             points[j].factor * unresolved[channel].standard_error};
+    }
+  }
+  return values;
+}
+
 // The azimuth of w_o relative to w_i.
 double relative_azimuth(Direction wi, Direction wo) {
   return std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
@@ -30,15 +68,36 @@ double relative_azimuth(Direction wi, Direction wo) {
 
 }  // namespace
 
+std::string to_bytes(const std::vector<TruthValue>& values) {
+  NumberWriter out;
+  for (const TruthValue& v : values) {
+    out.put(v.walks);
+    for (int c = 0; c < 3; ++c)
+      for (const double x :
+           {v.f[c], v.standard_error[c], v.unresolved[c].value, v.unresolved[c].standard_error})
+        out.put(x);
+  }
+  return out.take();
+}
+
+std::vector<TruthValue> truth_values_from(std::string_view bytes, std::size_t count) {
+  NumberReader in(bytes);
+  std::vector<TruthValue> values(count);
+  for (TruthValue& v : values) {
+    v.walks = in.get<std::uint64_t>();
+    for (int c = 0; c < 3; ++c)
+      for (double* x :
+           {&v.f[c], &v.standard_error[c], &v.unresolved[c].value, &v.unresolved[c].standard_error})
+        *x = in.get<double>();
+  }
+  in.end();
+  return values;
+}
+
 std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                  const std::vector<DirectionPair>& pairs, std::uint64_t walks,
-                                 std::uint64_t seed, const StopFlag* stop,
+                                 std::uint64_t seed, const RunMonitor& monitor,
                                  std::optional<double> seconds) {
-  struct Point {
-    std::size_t pair;
-    Direction wo;
-    double factor;  // of reversing the pair
-  };
   const auto key = [](Direction w) { return std::tuple(w.x, w.y, w.z); };
   std::map<std::tuple<double, double, double>, std::vector<Point>> by_incident;
   std::vector<TruthValue> values(pairs.size());
@@ -68,38 +127,25 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
   std::size_t left = by_incident.size();
   for (auto& [incident, points] : by_incident) {
     std::stable_partition(points.begin(), points.end(), [](const Point& p) { return p.wo.z > 0; });
-    std::vector<Direction> directions;
-    for (const Point& p : points) directions.push_back(p.wo);
-    const auto [x, y, z] = incident;
-    Simulation simulation(stack, plan, {x, y, z}, directions, seed);
-    StopRule rule{.walks = walks, .target_error = {}, .seconds = {}};
-    if (seconds)
-      rule.seconds =
-          std::max(*seconds - seconds_since(start), 0.05 * *seconds) / static_cast<double>(left);
+    const auto walked = [&, &points = points] {
+      std::vector<Direction> directions;
+      for (const Point& p : points) directions.push_back(p.wo);
+      const auto [x, y, z] = incident;
+      Simulation simulation(stack, plan, {x, y, z}, directions, seed);
+      StopRule rule{.walks = walks, .target_error = {}, .seconds = {}};
+      if (seconds)
+        rule.seconds =
+            std::max(*seconds - seconds_since(start), 0.05 * *seconds) / static_cast<double>(left);
+      run(simulation, rule, {}, monitor.stop);
+      return values_of(simulation, points);
+    };
+    std::vector<TruthValue> found(points.size());
+    if (!monitor.keeper)
+      found = walked();
+    else if (const auto kept = monitor.keeper->piece([&] { return to_bytes(walked()); }))
+      found = truth_values_from(*kept, points.size());
     --left;
-    run(simulation, rule, {}, stop);
-    std::array<Estimate, 3> unresolved;
-    for (int c = 0; c < 3; ++c)
-      unresolved[c] = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-        return b.energy.unresolved[std::min(c, plan.channels - 1)];
-      });
-    const std::size_t count = points.size();
-    for (std::size_t j = 0; j < count; ++j)
-      for (int c = 0; c < 3; ++c) {
-        const int channel = std::min(c, plan.channels - 1);
-        const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-          double sum = 0;
-          for (int o = 0; o < plan.order_slots(); ++o)
-            sum += b.f[(static_cast<std::size_t>(o) * plan.channels + channel) * count + j];
-          return sum;
-        });
-        values[points[j].pair].f[c] = points[j].factor * e.value;
-        TruthValue& value = values[points[j].pair];
-        value.standard_error[c] = points[j].factor * e.standard_error;
-        value.unresolved[c] = {points[j].factor * unresolved[c].value,
-                               points[j].factor * unresolved[c].standard_error};
-        value.walks = simulation.walks();
-      }
+    for (std::size_t j = 0; j < points.size(); ++j) values[points[j].pair] = found[j];
   }
   return values;
 }

@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analytic/model/model.h"
-#include "compare/request/interrupt.h"
+#include "compare/request/run_monitor.h"
 #include "volume/run/simulation.h"
 #include "volume/solver/deterministic.h"
 
@@ -28,12 +29,13 @@ struct TruthValue {
 /// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once
 /// are refused (std::invalid_argument), like light from below a half space or an opaque substrate.
 /// The walks are on lanes of the plan's set where these have a kernel for the stack.
-/// `stop`, once set, ends each simulation at its next checkpoint; `seconds`, of all simulations
-/// together, ends them with fewer walks.
+/// The monitor's `stop`, once set, ends each simulation at its next checkpoint; `seconds`, of all
+/// simulations together, ends them with fewer walks. Its keeper has a piece per incident direction,
+/// and another's pairs stay 0.
 [[nodiscard]] std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
                                                const std::vector<DirectionPair>& pairs,
                                                std::uint64_t walks, std::uint64_t seed,
-                                               const StopFlag* stop = nullptr,
+                                               const RunMonitor& monitor = {},
                                                std::optional<double> seconds = {});
 
 /// The truth at each pair from a solved stack: order 1 in closed form, the others from its modes at
@@ -42,6 +44,11 @@ struct TruthValue {
 [[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
                                                const std::vector<DirectionPair>& pairs,
                                                const SolverReport& report = {});
+
+/// Values as bytes, each number with all of its bits, and back. Throws DamagedBytes where they are
+/// not `count` of them.
+[[nodiscard]] std::string to_bytes(const std::vector<TruthValue>& values);
+[[nodiscard]] std::vector<TruthValue> truth_values_from(std::string_view bytes, std::size_t count);
 
 /// The reason why the solver's values are no answer, if they are none: a value or a bound that is
 /// not finite, or a value that is below 0 by more than its bound.

@@ -8,6 +8,7 @@ from lamella_program import WITH_CAIRO, WITH_CERES, ProgramTest
 # What a command takes beside options, so that the option is what is wrong with it.
 WORDS = {"eval": ["lambert", "--pairs", "pairs.csv"], "invert": ["eon", "albedo=0.5"],
          "sweep": ["sggx_slab", "--set", "layer.0.albedo=0.5"], "show": ["lobes.exr"], "rerun": ["lobes.exr"],
+         "merge": ["one.part"],
          "grid": ["weave"], "reproduce": ["vmf_figure_5"], "completion": ["bash"], "measure": ["sphere_bed_dense"],
          "check": ["lambert"],
          "export": ["lambert", "--to", "csv", "--output", "new.csv"], "import": ["grey.bsdf"]}
@@ -28,6 +29,10 @@ WRONG = {
     "FILE.vdb": ["", "none/x.vdb", "folder.vdb", "x.png"],
     "FILE.toml": ["", "none/x.toml", "folder.toml", "x.png"],
     "FILE.html": ["", "none/x.html", "folder.html", "x.png"],
+    "FILE.csv": ["", "none/x.csv", "folder", "x.png", "x"],
+    "FILE.part": ["", "none/x.part", "folder", "x.png", "x"],
+    "RESULT": ["", "none/x.exr", "folder", "x.png", "x"],
+    "I/N|auto": ["", "x", "1", "0/2", "3/2", "1/2/3", "1/0", "-1/2", "auto", "auto/0", "auto/2", "1/1000001"],
     "FOLDER": ["", "file", "file/x", "x.png"],
     "NAME[,key=value...]": ["", "nonsense", "eon,nonsense=1", "eon,roughness=2", "eon,roughness=x", "eon,roughness",
                             "eon,roughness=", "@none", "@folder", "./none.so", ",", "eon,=1"],
@@ -51,6 +56,8 @@ class EveryOption(ProgramTest):
             (self.folder / folder).mkdir()
         self.lamella("simulate", "sggx_slab", "--wi", "60", "--walks", "200", "--grid", "2x4", "-o", "lobes.exr",
                      "--quiet")
+        self.lamella("simulate", "sggx_slab", "--wi", "60", "--walks", "200", "--grid", "2x4", "--shard", "1/1", "-o",
+                     "one.part", "--quiet")
         self.there = sorted(path.name for path in self.folder.iterdir())
 
     def commands(self):

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "volume/result/number_bytes.h"
 #include "volume/walk/walk.h"
 
 namespace lamella {
@@ -333,6 +334,30 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
               static_cast<double>(counts.targets[(plane * rows + r) * columns + j]);
         }
   }
+}
+
+std::string LaneRun::save(int batch) const {
+  const Counts& c = counts_[batch];
+  NumberWriter out;
+  for (const std::uint64_t n : {c.lane_steps, c.busy, c.events, c.reflections, c.meetings})
+    out.put(n);
+  out.put_all(std::span<const std::uint64_t>(c.ends));
+  out.put_all(std::span<const std::int64_t>(c.weights));
+  out.put_all(std::span<const std::int64_t>(c.cells));
+  out.put_all(std::span<const std::int64_t>(c.targets.data(), c.targets.size()));
+  return out.take();
+}
+
+void LaneRun::restore(int batch, std::string_view bytes) {
+  Counts& c = counts_[batch];
+  NumberReader in(bytes);
+  for (std::uint64_t* n : {&c.lane_steps, &c.busy, &c.events, &c.reflections, &c.meetings})
+    *n = in.get<std::uint64_t>();
+  in.fill(std::span<std::uint64_t>(c.ends));
+  in.fill(std::span<std::int64_t>(c.weights));
+  in.fill(std::span<std::int64_t>(c.cells));
+  in.fill(std::span<std::int64_t>(c.targets.data(), c.targets.size()));
+  in.end();
 }
 
 LaneUse LaneRun::use() const {

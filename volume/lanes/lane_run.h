@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volume/lanes/lane_setting.h"
@@ -53,6 +54,11 @@ class LaneRun {
   void run(int first, std::span<const Part> parts, std::span<BatchTally> tallies);
 
   [[nodiscard]] LaneUse use() const;
+
+  /// The counts of a batch as bytes, and back; a tally alone cannot go on. Throws DamagedBytes
+  /// where the bytes are those of other counts.
+  [[nodiscard]] std::string save(int batch) const;
+  void restore(int batch, std::string_view bytes);
 
  private:
   /// What lanes load and store: no vector of theirs straddles two cache lines.

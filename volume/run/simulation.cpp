@@ -157,30 +157,43 @@ RunBatch Simulation::grain_runner(GrainScores scores) {
   };
 }
 
+std::uint64_t Simulation::walks_of_batch(int batch, std::uint64_t walks) {
+  // Batch b has the walks b, b + kBatches, ...
+  const auto first = static_cast<std::uint64_t>(batch);
+  return walks > first ? (walks - first - 1) / kBatches + 1 : 0;
+}
+
 void Simulation::advance(std::uint64_t walks) {
   if (walks <= walks_) return;
-  // Batch b has the walks b, b + kBatches, ...
-  const auto count = [](int batch, std::uint64_t total) {
-    return total > static_cast<std::uint64_t>(batch) ? (total - batch - 1) / kBatches + 1 : 0;
-  };
+  const int batches = range_.end - range_.first;
   if (lanes_) {
     // Thinned walks: batches are run together, in two shares per thread.
     const int shares = plan_.thinning.is_on()
-                           ? std::min(kBatches, 2 * tbb::this_task_arena::max_concurrency())
-                           : kBatches;
+                           ? std::min(batches, 2 * tbb::this_task_arena::max_concurrency())
+                           : batches;
     tbb::parallel_for(0, shares, [&](int share) {
-      const int first = share * kBatches / shares, end = (share + 1) * kBatches / shares;
+      const int first = range_.first + share * batches / shares;
+      const int end = range_.first + (share + 1) * batches / shares;
       std::vector<LaneRun::Part> parts;
       for (int batch = first; batch < end; ++batch)
-        parts.push_back({count(batch, walks_), count(batch, walks)});
+        parts.push_back({walks_of_batch(batch, walks_), walks_of_batch(batch, walks)});
       lanes_->run(first, parts, {batches_.data() + first, parts.size()});
     });
   } else {
-    tbb::parallel_for(0, kBatches, [&](int batch) {
-      run_batch_(batch, count(batch, walks_), count(batch, walks));
+    tbb::parallel_for(range_.first, range_.end, [&](int batch) {
+      run_batch_(batch, walks_of_batch(batch, walks_), walks_of_batch(batch, walks));
     });
   }
   walks_ = walks;
+}
+
+std::string Simulation::lane_counts(int batch) const {
+  return lanes_ ? lanes_->save(batch) : std::string();
+}
+
+void Simulation::restore(int batch, BatchTally tally, std::string_view lane_counts) {
+  if (lanes_ && !lane_counts.empty()) lanes_->restore(batch, lane_counts);
+  batches_[batch] = std::move(tally);
 }
 
 std::optional<LaneUse> Simulation::lane_use() const {
@@ -326,7 +339,14 @@ double run(Simulation& simulation, const StopRule& rule,
   // Where the clock decides a first step must be short: one walk per batch, or a realisation.
   if (rule.seconds) chunk = simulation.lane_use() ? kBatches : simulation.stride();
   std::uint64_t next_test = std::max<std::uint64_t>(1 << 14, simulation.stride());
-  while (simulation.walks() < rule.walks) {
+  // Walks that were restored may stand at a test, or between two.
+  while (next_test < simulation.walks()) next_test *= 2;
+  const auto is_reached = [&] {
+    if (!rule.target_error || simulation.walks() < next_test) return false;
+    next_test *= 2;
+    return largest_relative_error(simulation) <= *rule.target_error;
+  };
+  while (simulation.walks() < rule.walks && !is_reached()) {
     std::uint64_t goal = std::min(rule.walks, simulation.walks() + chunk);
     if (rule.target_error) goal = std::min(goal, std::max(next_test, simulation.walks() + 1));
     const double before = elapsed();
@@ -336,10 +356,6 @@ double run(Simulation& simulation, const StopRule& rule,
     if (progress) progress({simulation.walks(), rule.walks, now});
     if (interrupted && *interrupted) break;
     if (rule.seconds && now >= *rule.seconds) break;
-    if (rule.target_error && simulation.walks() >= next_test) {
-      if (largest_relative_error(simulation) <= *rule.target_error) break;
-      next_test *= 2;
-    }
   }
   return elapsed();
 }

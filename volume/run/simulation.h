@@ -4,6 +4,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "volume/grains/grain_walk.h"
@@ -16,6 +18,11 @@
 namespace lamella {
 
 class LaneRun;
+
+/// The batches first, first + 1, ... end - 1.
+struct BatchRange {
+  int first = 0, end = kBatches;
+};
 
 /// The walks of one incident direction, through layers or among explicit grains. For a given seed,
 /// estimator and number of walks the sums are the same to the last bit for any number of threads
@@ -38,6 +45,11 @@ class Simulation {
   /// Continues to `walks` in all, in the calling thread's task arena. Throws NonFiniteError.
   void advance(std::uint64_t walks);
 
+  /// From here on only these batches walk, as they would beside all others: a part of a run that
+  /// is divided among processes. `walks` and `stride` still mean those of all batches.
+  void walk_only(BatchRange range) { range_ = range; }
+  [[nodiscard]] BatchRange range() const { return range_; }
+
   [[nodiscard]] std::uint64_t walks() const { return walks_; }
   [[nodiscard]] std::uint64_t collisions() const;
   /// Rays that a defect of explicit geometry let into a grain: 0.
@@ -56,6 +68,16 @@ class Simulation {
   /// Nothing for scalar walks.
   [[nodiscard]] std::optional<LaneUse> lane_use() const;
 
+  /// How many of the first `walks` walks are a batch's.
+  [[nodiscard]] static std::uint64_t walks_of_batch(int batch, std::uint64_t walks);
+  /// What walks on lanes need beside a batch's tally to go on; nothing for others.
+  [[nodiscard]] std::string lane_counts(int batch) const;
+  /// Puts a tally in the place of a batch's, and what `lane_counts` gave with it; without that it
+  /// can be reduced, but not go on. Throws DamagedBytes where the counts are none of this batch's.
+  void restore(int batch, BatchTally tally, std::string_view lane_counts);
+  /// How many walks there are once batches were restored.
+  void restore_walks(std::uint64_t walks) { walks_ = walks; }
+
  private:
   template <int C>
   [[nodiscard]] RunBatch runner(Estimator estimator, bool points);
@@ -67,6 +89,7 @@ class Simulation {
   Estimator estimator_;
   std::uint64_t seed_;
   std::uint64_t walks_ = 0;
+  BatchRange range_;
   CellTargets targets_;
   std::vector<Direction> points_;
   WalkStack walk_stack_;
@@ -99,7 +122,7 @@ struct Progress {
 
 /// Advances until the rule says stop. The error is tested at doubling numbers of walks only, from
 /// 2^14 on, because stopping on an error is biased. Returns the seconds taken. `interrupted` ends
-/// the run at the next checkpoint.
+/// the run at the next checkpoint. Walks that were restored go on as if nothing had ended them.
 double run(Simulation& simulation, const StopRule& rule,
            const std::function<void(const Progress&)>& progress,
            const std::atomic<bool>* interrupted);

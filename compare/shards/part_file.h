@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace lamella {
+
+/// What a part file or a checkpoint holds: what it belongs to, and the pieces of a run by their
+/// numbers.
+///
+/// The file: a line "lamella part 1"; the sizes of the header and of the table of pieces (two
+/// 64-bit numbers, little-endian as all of them); the header, JSON; per piece its number and its
+/// size; the pieces' bytes; the SHA-256 of all before in 64 hexadecimal digits, and a line's end.
+struct Part {
+  nlohmann::ordered_json header{};
+  std::map<std::uint64_t, std::string> pieces{};
+};
+
+/// The number of the piece that holds what a run read from elsewhere: direction pairs.
+inline constexpr std::uint64_t kInputPiece = std::numeric_limits<std::uint64_t>::max();
+
+/// Writes the whole file or nothing (write_file). Throws OutputError.
+void write_part(const std::filesystem::path& path, const Part& part);
+
+/// A part file that is open: the header in memory, pieces read when they are asked for. The
+/// content is untrusted: sizes are held against the file's before there is room made for them.
+class PartFile {
+ public:
+  /// Reads the header and checks the sum. Throws UsageError for what is no part file, is cut off
+  /// or damaged, and OutputError where the file cannot be read.
+  explicit PartFile(std::filesystem::path path);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const nlohmann::ordered_json& header() const { return header_; }
+  /// A member of the header that is a text. Throws UsageError where there is none.
+  [[nodiscard]] std::string text(const std::string& key) const;
+  [[nodiscard]] bool has(std::uint64_t piece) const { return places_.contains(piece); }
+  [[nodiscard]] std::size_t pieces() const { return places_.size(); }
+  /// Throws UsageError where there is none, or it has more than `most` bytes.
+  [[nodiscard]] std::string piece(std::uint64_t number, std::uint64_t most) const;
+  /// All of it, for a run that goes on. Throws UsageError where that is more than `most` bytes.
+  [[nodiscard]] Part all(std::uint64_t most) const;
+
+  /// Throws UsageError: "FILE: ...; allowed: a part file ...".
+  [[noreturn]] void refuse(const std::string& found) const;
+
+ private:
+  struct Place {
+    std::uint64_t from, size;
+  };
+  std::filesystem::path path_;
+  nlohmann::ordered_json header_;
+  std::map<std::uint64_t, Place> places_;
+};
+
+}  // namespace lamella
