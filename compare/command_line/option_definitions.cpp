@@ -10,6 +10,7 @@
 
 #include "compare/drawing/picture_format.h"
 #include "compare/files/output_folder.h"
+#include "compare/request/errors.h"
 #include "compare/request/model_file.h"
 #include "compare/request/numbers.h"
 #include "phase/stack/stack_file.h"
@@ -260,8 +261,11 @@ void add_output(CLI::App& command, CommandLine& line, const std::string& type,
       ->type_name(type);
 }
 
-void add_run_options(CLI::App& command, CommandLine& line) {
-  add_stack(command, line);
+void add_run_options(CLI::App& command, CommandLine& line, const std::string& target) {
+  if (target.empty())
+    add_stack(command, line);
+  else
+    command.add_option("TARGET", line.options.stack, target)->transform(named(kAllowedStacks));
   command
       .add_option("--wi", line.options.incident,
                   "Incident direction THETA[,PHI] in degrees, repeatable; above 90: from below "

@@ -20,7 +20,7 @@ struct UnitEffort {
 
 struct UnitMinimum {
   std::vector<double> x;
-  double cost = 0;               ///< half the sum of the squares
+  double cost = 0;  ///< half the sum of the squares
   std::vector<double> residuals;
   std::vector<double> jacobian;  ///< [residual][parameter], of the scaled parameters
   int iterations = 0;

@@ -29,6 +29,7 @@ WRONG = {
     "FILE.toml": ["", "none/x.toml", "folder.toml", "x.png"],
     "FILE.html": ["", "none/x.html", "folder.html", "x.png"],
     "FOLDER": ["", "file", "file/x", "x.png"],
+    "PATH": ["", "file/x", "folder"],
     "NAME[,key=value...]": ["", "nonsense", "eon,nonsense=1", "eon,roughness=2", "eon,roughness=x", "eon,roughness",
                             "eon,roughness=", "@none", "@folder", "./none.so", ",", "eon,=1"],
     "PATH=VALUES": ["", "x", "layer.0.albedo", "layer.9.albedo=0.5", "layer.0.nonsense=1", "layer.0.albedo=x",
