@@ -140,12 +140,12 @@ std::string fit_summary(const TargetTruths& target, const NearestModels& nearest
   if (missing > 0)
     text += fmt::format("walks were cut: the truth's energies are too low by {:.1e} at most\n",
                         missing);
-  text +=
-      "\n" +
-      wrapped("",
-              "+-: one standard deviation, as if what is left over were independent from cell to "
-              "cell; of truth: the part that the truth's own error makes");
-  return text + fmt::format("\n--model {}\n", request_text(nearest.fits.front().request));
+  text += "\n";
+  text += wrapped("",
+                  "+-: one standard deviation, as if what is left over were independent from cell "
+                  "to cell; of truth: the part that the truth's own error makes");
+  text += fmt::format("\n--model {}\n", request_text(nearest.fits.front().request));
+  return text;
 }
 
 Json fit_json(const TargetTruths& target, const NearestModels& nearest) {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -169,22 +169,23 @@ void add_uncertainty(ModelFit& fit, const UnitMinimum& at, const Residuals& resi
     scaled.col(j) = jacobian.col(static_cast<Eigen::Index>(k)) / length;
     unit(j) = fit.numbers[k].number.slope(at.x[k]) / length;
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& singular = svd.singularValues();
+  // The eigenvectors of J^T J are J's right singular vectors.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() * scaled);
+  const Eigen::VectorXd& squares = eigen.eigenvalues();
+  const Eigen::MatrixXd& vectors = eigen.eigenvectors();
   std::vector<bool> lost(static_cast<std::size_t>(m));
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(m);
   for (Eigen::Index s = 0; s < m; ++s) {
-    if (singular(s) > kSingular * singular(0)) {
-      inverse(s) = 1 / singular(s);
+    if (squares(s) > kSingular * kSingular * squares(m - 1)) {
+      inverse(s) = 1 / squares(s);
       continue;
     }
     for (Eigen::Index j = 0; j < m; ++j)
-      if (std::abs(svd.matrixV()(j, s)) > 1e-2) lost[static_cast<std::size_t>(j)] = true;
+      if (std::abs(vectors(j, s)) > 1e-2) lost[static_cast<std::size_t>(j)] = true;
   }
   // x = unit * gain * residuals, to first order.
-  const Eigen::MatrixXd gain = svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
-  const Eigen::MatrixXd inner =
-      svd.matrixV() * inverse.cwiseAbs2().asDiagonal() * svd.matrixV().transpose();
+  const Eigen::MatrixXd inner = vectors * inverse.asDiagonal() * vectors.transpose();
+  const Eigen::MatrixXd gain = inner * scaled.transpose();
   const double freedom = std::max<double>(static_cast<double>(rows - m), 1);
   const double square = 2 * at.cost / freedom;
   const std::vector<double> errors = residuals.errors();

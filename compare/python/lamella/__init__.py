@@ -35,6 +35,7 @@ from .fits import Family, Fit, Fits, fit
 from .furnaces import Furnace, furnace
 from .checks import Check, check
 from .catalogue import media, models, stacks
+from .headers import include_folder
 from .lobes import Energies, Lobes, StandardErrors, read
 from .models import Model
 from .reports import Report, compare
@@ -42,7 +43,8 @@ from .stacks import Stack, interface, layer, substrate
 from .truths import simulate, truth
 
 __all__ = [
-    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Lobes", "Model", "Report", "Stack", "StandardErrors", "__version__",
-    "check", "compare", "directions", "fit", "furnace", "interface", "layer", "media", "models", "read",
-    "simulate", "stacks", "substrate", "truth",
+    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Lobes", "Model", "Report", "Stack",
+    "StandardErrors", "__version__", "check", "compare", "directions", "fit", "furnace",
+    "include_folder", "interface", "layer", "media", "models", "read", "simulate", "stacks",
+    "substrate", "truth",
 ]
