@@ -43,6 +43,17 @@ class UnitCost : public ceres::CostFunction {
   const UnitProblem& problem_;
 };
 
+class StopBetweenSteps : public ceres::IterationCallback {
+ public:
+  explicit StopBetweenSteps(const std::function<bool()>& stop) : stop_(stop) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*step*/) override {
+    return stop_() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<bool()>& stop_;
+};
+
 }  // namespace
 
 UnitMinimum minimum_from(const UnitProblem& problem, std::vector<double> start,
@@ -68,6 +79,11 @@ UnitMinimum minimum_from(const UnitProblem& problem, std::vector<double> start,
     options.linear_solver_type = ceres::DENSE_QR;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
+    StopBetweenSteps between(effort.stop);
+    if (effort.stop) {
+      options.callbacks.push_back(&between);
+      options.update_state_every_iteration = true;
+    }
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_problem, &summary);
     end.iterations = static_cast<int>(summary.iterations.size());

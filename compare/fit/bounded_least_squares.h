@@ -16,6 +16,8 @@ struct UnitProblem {
 struct UnitEffort {
   int iterations = 60;
   double tolerance = 1e-8;  ///< relative change of the cost at which the search ends
+  /// Asked after every step: whether it is to be the last one.
+  std::function<bool()> stop{};
 };
 
 struct UnitMinimum {

@@ -16,9 +16,14 @@ namespace {
 constexpr double kDecades = 1e3;      // of a logarithmic range, at least
 constexpr double kOpenMargin = 1e-6;  // of a range, away from an end that is not in it
 
+// Kept at its default unless it is asked for.
 bool is_setting(const std::string& name) {
-  return name == "walks" || name == "seed" || name == "terms" || name.ends_with("_y");
+  return name == "walks" || name == "seed" || name == "terms" || name.ends_with("_y") ||
+         name.ends_with("ior");
 }
+
+// A coat's tables take a third of a second for every index and roughness: a fit takes minutes.
+bool is_coat(const std::string& name) { return name == "coated" || name == "openpbr_diffuse"; }
 
 bool has_range(const ParameterInfo& p) {
   const bool kind = p.kind == ParameterKind::number || p.kind == ParameterKind::color ||
@@ -150,7 +155,8 @@ std::vector<ModelRequest> models_to_fit(const std::vector<std::string>& texts) {
       }
       for (const ModelInfo& info : models()) {
         const bool random = find(info.parameters, "walks") != nullptr;
-        if (!info.needs_stack && !random) requests.push_back({info.name, {}});
+        if (!info.needs_stack && !random && !is_coat(info.name))
+          requests.push_back({info.name, {}});
       }
     }
   }

@@ -39,15 +39,16 @@ struct ParametricModel {
 };
 
 /// The model of a request, in which all numbers and colours are free that the request does not give
-/// and whose range is finite; key=free frees one that is otherwise kept at its default: those along
-/// y (`roughness_y`), and numbers that say how a model is computed (walks, seed, terms). Colours
+/// and whose range is finite; key=free frees one that is otherwise kept at its default: indices
+/// (`ior`), those along y (`roughness_y`), and numbers that say how a model is computed (walks,
+/// seed, terms). Colours
 /// have one number per channel of the target. `info`: of the request's model. Throws UsageError.
 [[nodiscard]] ParametricModel parametric_model(const ModelInfo& info, const ModelRequest& request,
                                                int channels);
 
 /// Models from texts as --model has them: "NAME[,key=value...]"; a name begins the next model, so
 /// that "oren_nayar,eon,roughness=0.5" are two; "all": every built-in closed form that needs no
-/// stack and no random numbers. Throws UsageError.
+/// stack, no random numbers and no tables of a coat. Throws UsageError.
 [[nodiscard]] std::vector<ModelRequest> models_to_fit(const std::vector<std::string>& texts);
 
 }  // namespace lamella

@@ -330,6 +330,7 @@ ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNor
                     "the model takes together",
                     model.info->name));
 
+  const auto stopped = [stop] { return is_set(stop); };
   ModelFit fit;
   std::vector<double> best;
   std::vector<double> costs;
@@ -339,8 +340,8 @@ ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNor
       best = start;
       break;
     }
-    const UnitMinimum found =
-        minimum_from(first, std::move(start), {.iterations = 40, .tolerance = 1e-6});
+    const UnitMinimum found = minimum_from(first, std::move(start),
+                                           {.iterations = 40, .tolerance = 1e-6, .stop = stopped});
     fit.iterations += found.iterations;
     if (best.empty() || found.cost < *std::min_element(costs.begin(), costs.end())) best = found.x;
     costs.push_back(found.cost);
@@ -350,7 +351,8 @@ ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNor
     fit.agreeing +=
         std::sqrt(cost) <=
         (1 + kAgreement) * std::sqrt(*std::min_element(costs.begin(), costs.end())) + 1e-9;
-  UnitMinimum end = minimum_from(last, best, {.iterations = 40, .tolerance = 1e-10});
+  UnitMinimum end =
+      minimum_from(last, best, {.iterations = 40, .tolerance = 1e-10, .stop = stopped});
   fit.iterations += end.iterations;
   // What the rule of points misses, at kinks above all, hardly depends on the parameters: found at
   // one place it holds at the next.
@@ -358,11 +360,11 @@ ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNor
   for (int pass = 0; pass <= kCorrections; ++pass) {
     const std::unique_ptr<Model> made = model.make(end.x);
     means = projected_means(*made, *model.info, target);
-    if (pass == kCorrections || n == 0) break;
+    if (pass == kCorrections || n == 0 || stopped()) break;
     const std::vector<double> ruled = cell_means(*made, target, fine, isa);
     correction.resize(means.size());
     for (std::size_t k = 0; k < means.size(); ++k) correction[k] = means[k] - ruled[k];
-    end = minimum_from(last, end.x, {.iterations = 20, .tolerance = 1e-10});
+    end = minimum_from(last, end.x, {.iterations = 20, .tolerance = 1e-10, .stop = stopped});
     fit.iterations += end.iterations;
   }
 

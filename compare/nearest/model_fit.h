@@ -74,7 +74,7 @@ struct ModelFit {
 /// spread evenly over the ranges, that are nearest. Each search asks for 2 x 2 points in a cell;
 /// the best goes on with 4 x 4, then with what the exact projection (judge/projection.h) adds to
 /// those. Equal input gives equal output, for any number of threads. Throws UsageError where the
-/// model gives no values at all; stops between searches where the flag is set, with the best so
+/// model gives no values at all; stops between steps where the flag is set, with the best so
 /// far.
 [[nodiscard]] ModelFit fit_model(const ParametricModel& model, const FitTarget& target,
                                  FitNorm norm, Isa isa, const StopFlag* stop);

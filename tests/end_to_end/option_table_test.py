@@ -123,7 +123,7 @@ class EveryOption(ProgramTest):
         self.refused("invert", "", "albedo=0.5", parts=['found ""'])
         self.refused("check", "", parts=['found ""'])
         if WITH_CERES:
-            self.refused("fit", "", parts=['STACK: found ""'])
+            self.refused("fit", "", parts=['TARGET: found ""'])
 
     def test_words_beside_what_a_command_takes(self):
         for command in self.commands():
