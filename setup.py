@@ -55,6 +55,7 @@ class BuildByCMake(build_ext):
         target = Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(built, target)
+        shutil.copy2(ROOT / "analytic/catalogue/lamella_model.h", target.parent)
 
 
 # What setuptools leaves behind lies in build, too.

@@ -78,6 +78,7 @@ struct ClosedFormOptions {
   std::string sampling{};  ///< the model whose sampling lobes are fitted
   bool bond = false;       ///< light from everywhere instead of --wi
   bool all = false;        ///< samplers: every row and the times, where no model is named
+  std::string norm = "relative", sides = "all";  ///< of fits of models
 };
 
 /// What `check` does at most.
@@ -89,20 +90,28 @@ struct CheckOptions {
 inline constexpr CheckOptions kQuickCheck{5, 4000};
 /// Seconds after which `check` begins no further case, unless --time says otherwise.
 inline constexpr double kCheckSeconds = 60;
-/// The answer to a check of a model, named `request` in it; `out`: where its lines are printed, if
-/// anywhere.
-[[nodiscard]] CommandAnswer check_answer(const ModelInfo& info, const std::string& request,
-                                         const std::vector<CheckConfiguration>& configurations,
-                                         const Options& options, const CheckOptions& checking,
-                                         const RunMonitor& monitor, std::FILE* out);
+/// An answer, and its lines for people.
+struct CheckAnswer {
+  CommandAnswer answer;
+  std::string text;
+};
+/// The answer to a check of a model, named `request` in it.
+[[nodiscard]] CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
+                                       const std::vector<CheckConfiguration>& configurations,
+                                       const Options& options, const CheckOptions& checking,
+                                       const RunMonitor& monitor);
 /// The battery of checks of a model. `words`: the model and its key=value arguments.
 int check_command(const Options& options, const CheckOptions& checking,
                   const std::vector<std::string>& words);
 
 /// Variance and largest weight of models' samplers.
 int samplers_command(const Options& options, const ClosedFormOptions& closed);
-/// SpongeCake's further lobes for a stack, or a model's sampling lobes.
-int fit_command(const Options& options, const ClosedFormOptions& closed);
+/// SpongeCake's further lobes for a stack, a model's sampling lobes, or fits of models.
+int fit_command(const Options& options, const ClosedFormOptions& closed,
+                const std::vector<std::string>& pictures);
+/// The parameters of closed forms that come nearest to a stack, lobes or a material.
+int fit_models_command(const Options& options, const ClosedFormOptions& closed,
+                       const std::vector<std::string>& pictures);
 /// The albedo that gives a colour. `words`: a model or stack and its key=value arguments, the
 /// colour as albedo among them.
 int invert_command(const Options& options, const ClosedFormOptions& closed,

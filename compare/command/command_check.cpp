@@ -8,6 +8,7 @@
 #include "compare/options/progress.h"
 #include "compare/report/check_report.h"
 #include "compare/report/json_report.h"
+#include "compare/report/report_page.h"
 #include "compare/report/wrapped_text.h"
 #include "compare/request/errors.h"
 #include "compare/request/model_file.h"
@@ -43,10 +44,10 @@ ModelRequest request_of(const std::vector<std::string>& words) {
 
 }  // namespace
 
-CommandAnswer check_answer(const ModelInfo& info, const std::string& request,
-                           const std::vector<CheckConfiguration>& configurations,
-                           const Options& options, const CheckOptions& checking,
-                           const RunMonitor& monitor, std::FILE* out) {
+CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
+                         const std::vector<CheckConfiguration>& configurations,
+                         const Options& options, const CheckOptions& checking,
+                         const RunMonitor& monitor) {
   const ModelCheckSettings settings{.lobes = static_cast<int>(info.lobes.size()),
                                     .reciprocal = info.reciprocal,
                                     .transmits = info.transmits,
@@ -56,26 +57,23 @@ CommandAnswer check_answer(const ModelInfo& info, const std::string& request,
                                     .few_angles = options.quick,
                                     .stop = [&] { return monitor.is_stopped(); }};
   const ModelCheck check = check_model(configurations, settings);
-  if (out) {
-    const std::string refused =
-        check.refused ? fmt::format(", {} refused", check.refused) : std::string();
-    fmt::print(
-        out, "{}{}",
-        wrapped("", fmt::format("{}: {}; {} of {} configurations{}{}", request,
-                                check.failed() ? "fail" : "pass", check.configurations,
-                                configurations.size(), refused,
-                                check.single_precision ? "; values in single precision" : "")),
-        to_text(check));
-    if (check.ended_by_time)
-      fmt::print(out, "  Ended by time, after {} s (--time): cases are missing.\n",
-                 settings.seconds);
-  }
+  const std::string refused =
+      check.refused ? fmt::format(", {} refused", check.refused) : std::string();
+  std::string text =
+      wrapped("", fmt::format("{}: {}; {} of {} configurations{}{}", request,
+                              check.failed() ? "fail" : "pass", check.configurations,
+                              configurations.size(), refused,
+                              check.single_precision ? "; values in single precision" : "")) +
+      to_text(check);
+  if (check.ended_by_time)
+    text +=
+        fmt::format("  Ended by time, after {} s (--time): cases are missing.\n", settings.seconds);
   CommandAnswer answer{json_header("check", options.seed, isa_of(options)),
                        check.failed() ? kFailed : kDone};
   answer.json["request"] = request;
   answer.json.update(to_json(check));
   answer.json["configurations_planned"] = configurations.size();
-  return answer;
+  return {std::move(answer), std::move(text)};
 }
 
 int check_command(const Options& options, const CheckOptions& checking,
@@ -91,12 +89,15 @@ int check_command(const Options& options, const CheckOptions& checking,
       options.quick ? CheckOptions{std::min(kQuickCheck.configurations, checking.configurations),
                                    std::min(kQuickCheck.samples, checking.samples)}
                     : checking;
-  CommandAnswer answer = check_answer(
+  auto [answer, text] = check_answer(
       info, to_request(request),
       configurations_to_check(info, request, stack, effort.configurations, options.seed), options,
-      effort, terminal_monitor(options), options.quiet ? nullptr : table_stream(options));
+      effort, terminal_monitor(options));
   inputs.check();
   add_files(answer.json, inputs);
+  if (!options.quiet) fmt::print(table_stream(options), "{}", text);
+  if (!options.html.empty())
+    write_report_page(options.html, to_request(request) + ": check", answer.json, nullptr);
   write_json(answer.json, options.json);
   return answer.status;
 }

@@ -65,6 +65,23 @@ void check_stack(const Stack& stack) {
                                  stack.name, stack.layers.size(), kSpongecakeLayers));
 }
 
+// Options that only fits of models have a use for.
+void refuse_model_options(const Options& options, const ClosedFormOptions& closed,
+                          const std::vector<std::string>& pictures) {
+  const char* found = !options.incident.empty()                   ? "--wi"
+                      : options.grid != Options{}.grid            ? "--grid"
+                      : options.estimator != Options{}.estimator  ? "--estimator"
+                      : options.tolerance != Options{}.tolerance  ? "--tolerance"
+                      : closed.norm != ClosedFormOptions{}.norm   ? "--norm"
+                      : closed.sides != ClosedFormOptions{}.sides ? "--sides"
+                      : !pictures.empty()                         ? "--pictures"
+                      : options.target_error                      ? "--target-error"
+                      : options.seconds                           ? "--time"
+                                                                  : nullptr;
+  if (found)
+    throw UsageError(fmt::format("fit {}: found no --model; allowed: with one, or all", found));
+}
+
 int fit_stack(const Options& options) {
   TruthRequest request = truth_request(options, stack_of(options));
   request.cells = kFitGrid;
@@ -137,8 +154,15 @@ int fit_stack(const Options& options) {
 
 }  // namespace
 
-int fit_command(const Options& options, const ClosedFormOptions& closed) {
+int fit_command(const Options& options, const ClosedFormOptions& closed,
+                const std::vector<std::string>& pictures) {
   require_least_squares();
+  if (!options.models.empty()) {
+    if (!closed.sampling.empty())
+      throw UsageError("--sampling: found beside --model; allowed: one of the two");
+    return fit_models_command(options, closed, pictures);
+  }
+  refuse_model_options(options, closed, pictures);
   return closed.sampling.empty() ? fit_stack(options) : fit_sampling(options, closed);
 }
 

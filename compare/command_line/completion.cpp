@@ -29,14 +29,14 @@ Values values_of(const std::string& type, const std::string& name) {
       else
         values.words.push_back(word);
     }
-  } else if (name == "STACK") {
+  } else if (name == "STACK" || name == "TARGET") {
     for (const BuiltinStack& stack : builtin_stacks()) values.words.push_back(stack.name);
     values.files = true;
   } else if (name == "MODEL" || type.starts_with("NAME[")) {
     for (const ModelInfo& info : models()) values.words.push_back(info.name);
   } else if (type.starts_with("FILE")) {
     values.files = true;
-  } else if (type == "FOLDER") {
+  } else if (type == "FOLDER" || type == "PATH") {
     values.folders = true;
   }
   return values;

@@ -125,27 +125,45 @@ void define_check(CommandLine& line) {
       ->type_name("S");
   add_seed(command, line);
   add_json(command, line);
+  add_html(command, line);
 }
 
 void define_fit(CommandLine& line) {
-  CLI::App& command = line.add("fit", "SpongeCake's two further lobes for a stack",
-                               "lamella fit sggx_slab --walks 1e5",
-                               [&] { return fit_command(line.options, line.closed); });
+  CLI::App& command = line.add(
+      "fit", "The parameters of closed forms that come nearest to a stack, lobes or a material",
+      "lamella fit vmf_sand --model oren_nayar,eon,vmf_diffuse,lambert_sphere",
+      [&] { return fit_command(line.options, line.closed, line.pictures); });
+  add_run_options(command, line,
+                  "TOML file, - for stdin, built-in stack; with --model also lobes (FILE.exr), a "
+                  "measured material (FILE.binary, FILE.bsdf) or a closed form "
+                  "(NAME[,key=value...])");
+  add_grid(command, line);
+  add_model(command, line,
+            "A closed form, repeatable: keys that are given stay, the others are fitted "
+            "(key=free: one that is not by itself); NAME,NAME,...: several; all: every one. "
+            "Without: SpongeCake's two further lobes, of SGGX mirror flakes and "
+            "Henyey-Greenstein layers");
   command
-      .add_option("STACK", line.options.stack,
-                  "TOML file, - for stdin, or a built-in stack of SGGX mirror flakes and "
-                  "Henyey-Greenstein layers, four at most")
-      ->transform(named(kAllowedStacks));
-  add_walks(command, line, "Walks per incident direction");
-  add_walk_limits(command, line);
-  add_seed(command, line);
-  add_threads(command, line);
+      .add_option("--norm", line.closed.norm,
+                  "What is made least: relative RMSE over cells (default), or RMS of ln f")
+      ->transform(one_of({"relative", "log"}))
+      ->type_name("relative|log");
+  command
+      .add_option("--sides", line.closed.sides,
+                  "Lobes that count: of both sides (default), or reflected alone")
+      ->transform(one_of({"all", "reflect"}))
+      ->type_name("all|reflect");
   command
       .add_option("--sampling", line.closed.sampling,
                   "Instead: sampling lobes of a closed form with a roughness, as C++")
       ->type_name("NAME[,key=value...]");
-  add_output(command, line, "FILE", "Write what was fitted to FILE");
-  add_json(command, line);
+  command
+      .add_option("-o,--output", line.options.output,
+                  "Of --model: a FOLDER with the fit and a comparison's page; else a FILE with "
+                  "what was fitted")
+      ->transform(named("a folder or file to write"))
+      ->type_name("PATH");
+  add_pictures(command, line);
 }
 
 void define_invert(CommandLine& line) {

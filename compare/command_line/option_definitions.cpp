@@ -320,8 +320,11 @@ void add_checkpoint(CLI::App& command, CommandLine& line) {
       ->type_name("S");
 }
 
-void add_run_options(CLI::App& command, CommandLine& line) {
-  add_stack(command, line);
+void add_run_options(CLI::App& command, CommandLine& line, const std::string& target) {
+  if (target.empty())
+    add_stack(command, line);
+  else
+    command.add_option("TARGET", line.options.stack, target)->transform(named(kAllowedStacks));
   command
       .add_option("--wi", line.options.incident,
                   "Incident direction THETA[,PHI] in degrees, repeatable; above 90: from below "

@@ -46,7 +46,8 @@ void add_output(CLI::App& command, CommandLine& line, const std::string& type,
 void add_shard(CLI::App& command, CommandLine& line, const std::string& type,
                const std::string& doc);
 void add_checkpoint(CLI::App& command, CommandLine& line);
-/// Of commands that find the truth of a stack along incident directions.
-void add_run_options(CLI::App& command, CommandLine& line);
+/// Of commands that find the truth of a stack along incident directions. `target`: what else than a
+/// stack the argument may be, as its help, which then is called TARGET.
+void add_run_options(CLI::App& command, CommandLine& line, const std::string& target = "");
 
 }  // namespace lamella

@@ -11,6 +11,11 @@ namespace lamella {
 /// Whether a name is that of a measured material: a MERL file (.binary) or a tensor file (.bsdf).
 [[nodiscard]] bool is_measured_file(const std::string& name);
 
+/// A reflection, and transmission where `info` says so, on cells, as a run of the solver: what the
+/// projection leaves open, and its tolerance, stand for the bounds. It has the lobe "all" alone.
+[[nodiscard]] Truth projected_truth(const Model& model, const ModelInfo& info, Direction wi,
+                                    const CellGrid& cells, int channels);
+
 /// Closed forms against a measured material, whose reflection from above is the truth: of the
 /// request, directions and cells count. Its projection onto cells is exact within what stands for
 /// the error bound, and it has no orders: lobes are compared in "all" alone. `models` must outlive

@@ -1,4 +1,6 @@
-// Stands in for least_squares.cpp, sampler_fit.cpp and spongecake_fit.cpp where there is no Ceres.
+// Stands in for least_squares.cpp, bounded_least_squares.cpp, sampler_fit.cpp and
+// spongecake_fit.cpp where there is no Ceres.
+#include "compare/fit/bounded_least_squares.h"
 #include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"
 #include "compare/fit/spongecake_fit.h"
@@ -23,6 +25,8 @@ SamplingLobeTable fit_sampling_lobes(const std::function<std::unique_ptr<Model>(
                                      int) {
   refuse();
 }
+
+UnitMinimum minimum_from(const UnitProblem&, std::vector<double>, const UnitEffort&) { refuse(); }
 
 std::string to_initializers(const SamplingLobeTable&) { refuse(); }
 

@@ -10,15 +10,13 @@
 
 #include "analytic/model/batched_model.h"
 #include "analytic/model/stochastic_model.h"
+#include "compare/judge/cell_pieces.h"
 #include "volume/run/simulation.h"
 
 namespace lamella {
 namespace {
 
 constexpr int kPoints = 4;  // per panel and dimension
-// Cells are cut about the directions in which lobes have their peaks, down to pieces of this extent
-// [radians].
-constexpr double kPeakExtent = 2e-3;
 // Pairs of a call of a BatchedModel.
 constexpr std::size_t kBatchPairs = 1 << 16;
 
@@ -41,52 +39,14 @@ class CellIntegrator {
                  bool up)
       : model_(model), info_(info), wi_(wi), grid_(grid), side_(up ? 1 : -1) {}
 
-  // A piece of a cell; phi relative to w_i.
-  struct Piece {
-    double mu0, mu1, phi0, phi1;
-  };
-
-  // The cell, cut finely about the mirror direction, w_i itself and the way straight through: a
-  // peak there that is narrower than the points of the whole cell lie apart would be missed by all.
-  [[nodiscard]] std::vector<Piece> pieces(int cell) const {
-    const int row = cell / grid_.columns(), column = cell % grid_.columns();
-    const Piece whole{grid_.edge_mu(row + 1), grid_.edge_mu(row), grid_.edge_phi(column),
-                      grid_.edge_phi(column) + 2 * kPi / grid_.phi_cells};
-    std::vector<Piece> open{whole}, done;
-    while (!open.empty()) {
-      const Piece p = open.back();
-      open.pop_back();
-      if (!is_large(p)) {
-        done.push_back(p);
-        continue;
-      }
-      const double mu = (p.mu0 + p.mu1) / 2, phi = (p.phi0 + p.phi1) / 2;
-      const double theta = std::acos(p.mu0) - std::acos(p.mu1);
-      const double around = (p.phi1 - p.phi0) * std::sqrt(1 - p.mu0 * p.mu0);
-      if (theta > 2 * around) {
-        open.push_back({p.mu0, mu, p.phi0, p.phi1});
-        open.push_back({mu, p.mu1, p.phi0, p.phi1});
-      } else if (around > 2 * theta) {
-        open.push_back({p.mu0, p.mu1, p.phi0, phi});
-        open.push_back({p.mu0, p.mu1, phi, p.phi1});
-      } else {
-        for (const auto& [a, b] : {std::pair{p.mu0, mu}, {mu, p.mu1}}) {
-          open.push_back({a, b, p.phi0, phi});
-          open.push_back({a, b, phi, p.phi1});
-        }
-      }
-    }
-    return done;
-  }
-
   // The cell's means with panels x panels panels in each of its pieces.
-  [[nodiscard]] Values means(int cell, const std::vector<Piece>& pieces, int panels) const {
+  [[nodiscard]] Values means(int cell, const std::vector<CellPiece>& pieces, int panels) const {
     Values sums{};
-    for (const Piece& piece : pieces) {
+    for (const CellPiece& piece : pieces) {
       const Values part = integrals(piece, panels);
       for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += part[o];
     }
-    const double norm = norm_of(cell);
+    const double norm = cell_norm(grid_, cell);
     for (Rgb& sum : sums) sum = norm * sum;
     return sums;
   }
@@ -94,7 +54,7 @@ class CellIntegrator {
   // The same of many cells, for a BatchedModel: the points of all of them in calls of
   // kBatchPairs pairs. `pieces`: of every cell.
   [[nodiscard]] std::vector<Values> means(const std::vector<int>& cells,
-                                          const std::vector<std::vector<Piece>>& pieces,
+                                          const std::vector<std::vector<CellPiece>>& pieces,
                                           int panels) const {
     std::vector<Values> sums(cells.size(), Values{});
     std::vector<DirectionPair> pairs;
@@ -109,8 +69,8 @@ class CellIntegrator {
       places.clear();
     };
     for (std::size_t n = 0; n < cells.size(); ++n)
-      for (const Piece& piece : pieces[cells[n]]) {
-        const double scale = norm_of(cells[n]) * area_of(piece, panels);
+      for (const CellPiece& piece : pieces[cells[n]]) {
+        const double scale = cell_norm(grid_, cells[n]) * area_of(piece, panels);
         visit(piece, panels, [&](Direction wo, double weight) {
           pairs.push_back({wi_, wo});
           places.emplace_back(n, scale * weight);
@@ -124,25 +84,8 @@ class CellIntegrator {
   }
 
  private:
-  // Whether a piece is larger than its distance from a peak, and than the least piece.
-  [[nodiscard]] bool is_large(const Piece& p) const {
-    const double mu = std::abs(wi_.z), theta_i = std::acos(std::min(mu, 1.0));
-    const double theta0 = std::acos(p.mu1), theta1 = std::acos(p.mu0);
-    const double sine = std::sqrt(std::max(1 - mu * mu, 0.0));
-    const double theta = theta1 - theta0;
-    const double around = (p.phi1 - p.phi0) * std::sqrt(1 - p.mu0 * p.mu0);
-    const double extent = std::max(theta, around);
-    if (extent <= kPeakExtent) return false;
-    const double off_theta = std::max({theta0 - theta_i, theta_i - theta1, 0.0});
-    for (const double peak : {0.0, kPi, 2 * kPi}) {
-      const double off_phi = std::max({p.phi0 - peak, peak - p.phi1, 0.0}) * sine;
-      if (std::hypot(off_theta, off_phi) < extent / 2) return true;
-    }
-    return false;
-  }
-
   // Of f mu dmu dphi; steps in mu, where f is smooth down to 0.
-  [[nodiscard]] Values integrals(const Piece& piece, int panels) const {
+  [[nodiscard]] Values integrals(const CellPiece& piece, int panels) const {
     Values sums{};
     std::vector<Rgb> lobes(info_.lobes.size());
     visit(piece, panels, [&](Direction wo, double weight) {
@@ -158,23 +101,15 @@ class CellIntegrator {
   }
 
   // What the sums over a piece's points are multiplied by.
-  [[nodiscard]] static double area_of(const Piece& piece, int panels) {
+  [[nodiscard]] static double area_of(const CellPiece& piece, int panels) {
     const double dmu = (piece.mu1 - piece.mu0) / panels;
     const double dphi = (piece.phi1 - piece.phi0) / panels;
     return dmu / 2 * dphi / 2;
   }
 
-  // What a cell's integral is multiplied by to be its mean: over the cell, the integral of mu dmu
-  // dphi is (mu1^2 - mu0^2) / 2 times the width of phi.
-  [[nodiscard]] double norm_of(int cell) const {
-    const int row = cell / grid_.columns();
-    const double mu0 = grid_.edge_mu(row + 1), mu1 = grid_.edge_mu(row);
-    return 1 / ((mu1 - mu0) * (mu1 + mu0) / 2 * (2 * kPi / grid_.phi_cells));
-  }
-
   // f(w_o, weight) at every point of the piece.
   template <class F>
-  void visit(const Piece& piece, int panels, const F& f) const {
+  void visit(const CellPiece& piece, int panels, const F& f) const {
     static const auto rule = gauss_rule();
     const double mu0 = piece.mu0, phi0 = azimuth(wi_) + piece.phi0;
     const double dmu = (piece.mu1 - piece.mu0) / panels;
@@ -231,9 +166,9 @@ ProjectedLobes project(const Model& model, const ModelInfo& info, Direction wi,
   const CellIntegrator integrator(model, info, wi, grid, up);
   const int cells = grid.cells();
   const bool batches = dynamic_cast<const BatchedModel*>(&model) != nullptr;
-  std::vector<std::vector<CellIntegrator::Piece>> pieces(cells);
+  std::vector<std::vector<CellPiece>> pieces(cells);
   std::vector<Values> coarse(cells);
-  tbb::parallel_for(0, cells, [&](int cell) { pieces[cell] = integrator.pieces(cell); });
+  tbb::parallel_for(0, cells, [&](int cell) { pieces[cell] = cell_pieces(grid, cell, wi); });
   std::vector<int> rest(cells);
   std::iota(rest.begin(), rest.end(), 0);
   if (batches)

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
+#include "compare/judge/pair_values.h"
 #include "compare/request/stopwatch.h"
 #include "phase/random/random.h"
 
@@ -13,6 +15,7 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t kPoints = 256;
+constexpr std::uint64_t kBlock = 4096;  // samples
 
 }  // namespace
 
@@ -22,14 +25,31 @@ SamplerStatistics sampler_statistics(const Model& model, Direction wo, std::uint
   SamplerStatistics s;
   double m2 = 0;
   std::uint64_t lost = 0;
-  for (std::uint64_t k = 0; k < samples; ++k) {
-    RandomStream stream(seed, k, StreamPurpose::model);
-    const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
-    double weight = 0;
-    if (const auto wi = model.sample(wo, u1, u2, u3)) {
-      const double f = model.eval(*wi, wo).max();
-      if (f != 0) weight = f * std::abs(wi->z) / model.pdf(*wi, wo);
+  // Of a block of samples: those with a direction, and their places.
+  std::vector<DirectionPair> pairs;
+  std::vector<std::size_t> places;
+  std::vector<double> weights;
+  const auto find_weights = [&](std::uint64_t from, std::uint64_t to) {
+    pairs.clear();
+    places.clear();
+    weights.assign(to - from, 0.0);
+    for (std::uint64_t k = from; k < to; ++k) {
+      RandomStream stream(seed, k, StreamPurpose::model);
+      const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
+      const auto wi = model.sample(wo, u1, u2, u3);
+      if (!wi) continue;
+      pairs.push_back({*wi, wo});
+      places.push_back(k - from);
     }
+    const std::vector<Rgb> values = pair_values(model, pairs);
+    for (std::size_t n = 0; n < pairs.size(); ++n) {
+      const double f = values[n].max();
+      if (f != 0) weights[places[n]] = f * std::abs(pairs[n].wi.z) / model.pdf(pairs[n].wi, wo);
+    }
+  };
+  for (std::uint64_t k = 0; k < samples; ++k) {
+    if (k % kBlock == 0) find_weights(k, std::min(samples, k + kBlock));
+    const double weight = weights[k % kBlock];
     if (!std::isfinite(weight))
       throw std::domain_error("a sample's weight is not finite: its density is 0 or not a number");
     lost += weight == 0;

@@ -8,27 +8,52 @@
 
 namespace lamella {
 
-StackComparison compare_stack(GroundTruth& truth, const std::vector<BoundModel>& models) {
+namespace {
+
+// With the models and the time that each takes.
+StackComparison comparison_of(const std::vector<BoundModel>& models) {
   StackComparison comparison;
   const std::vector<std::string> names = distinct_names(models);
   for (std::size_t m = 0; m < models.size(); ++m)
     comparison.models.push_back({&models[m], names[m], nanoseconds_per_eval(*models[m].model)});
-  for (std::size_t k = 0; truth.goes_on(k); ++k) {
-    const Truth found = truth.find(k);
-    comparison.runs.push_back(found.run);
-    for (JudgedModel& m : comparison.models)
-      for (LobeComparison& l : judge(found, truth.plan(), *m.bound))
-        m.lobes.push_back(std::move(l));
-  }
+  return comparison;
+}
+
+void add_truth(StackComparison& comparison, const Truth& truth, const Plan& plan) {
+  comparison.runs.push_back(truth.run);
+  for (JudgedModel& m : comparison.models)
+    for (LobeComparison& l : judge(truth, plan, *m.bound)) m.lobes.push_back(std::move(l));
+}
+
+void decide_all(StackComparison& comparison) {
   std::vector<LobeComparison*> all;
   for (JudgedModel& m : comparison.models)
     for (LobeComparison& l : m.lobes) all.push_back(&l);
   decide(all);
+}
+
+}  // namespace
+
+StackComparison compare_stack(GroundTruth& truth, const std::vector<BoundModel>& models) {
+  StackComparison comparison = comparison_of(models);
+  for (std::size_t k = 0; truth.goes_on(k); ++k) add_truth(comparison, truth.find(k), truth.plan());
+  decide_all(comparison);
   if (truth.request().stack.grains() && !truth.is_stopped())
     comparison.beside = side_by_side(truth.request(), comparison.runs, truth.stop());
   comparison.choice = truth.choice();
   comparison.channels = truth.plan().channels;
   comparison.interrupted = truth.is_stopped();
+  return comparison;
+}
+
+StackComparison compare_truths(const std::vector<Truth>& truths, const Plan& plan,
+                               const EstimatorChoice& choice,
+                               const std::vector<BoundModel>& models) {
+  StackComparison comparison = comparison_of(models);
+  for (const Truth& truth : truths) add_truth(comparison, truth, plan);
+  decide_all(comparison);
+  comparison.choice = choice;
+  comparison.channels = plan.channels;
   return comparison;
 }
 

@@ -33,6 +33,11 @@ struct StackComparison {
 [[nodiscard]] StackComparison compare_stack(GroundTruth& truth,
                                             const std::vector<BoundModel>& models);
 
+/// The same of truths that are there already. `plan`: channels and sides of them.
+[[nodiscard]] StackComparison compare_truths(const std::vector<Truth>& truths, const Plan& plan,
+                                             const EstimatorChoice& choice,
+                                             const std::vector<BoundModel>& models);
+
 /// The largest relative RMSE over all orders that is certain, noise and missing light left out; inf
 /// where a model has light and the truth has none, if the verdict is that they differ.
 [[nodiscard]] double worst_relative_rmse(const StackComparison& comparison);

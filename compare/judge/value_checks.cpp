@@ -7,6 +7,7 @@
 
 #include "analytic/model/grazing_pair.h"
 #include "analytic/model/stochastic_model.h"
+#include "compare/judge/pair_values.h"
 #include "compare/judge/value_noise.h"
 #include "phase/random/random.h"
 
@@ -21,6 +22,8 @@ constexpr double kNoises = 8;
 // Error of lanes, of the lobes' sizes and 1 / (pi mu): the bound of batch_lanes.h's tests, 6e-16,
 // of a value whose own rounding is some units more.
 constexpr double kLaneError = 2e-15;
+// Pairs that a BatchedModel is asked for alone.
+constexpr std::size_t kFewPairs = 32;
 
 CheckCase at_pair(const CheckedModel& m, const DirectionPair& p, std::string text) {
   return {.text = std::move(text), .parameters = m.request, .wi = p.wi, .wo = p.wo};
@@ -70,10 +73,22 @@ std::vector<DirectionPair> checked_pairs(std::uint64_t seed) {
 }
 
 void check_values(const CheckedModel& m, std::span<const DirectionPair> pairs, CheckLine& line) {
-  for (const DirectionPair& pair : pairs) {
+  std::vector<Rgb> together;
+  if (is_batched(m.model)) {
+    try {
+      together = pair_values(m.model, pairs);
+    } catch (const std::domain_error& error) {
+      line.offer(HUGE_VAL, 0, [&] {
+        return CheckCase{.text = error.what(), .parameters = m.request, .wi = {}, .wo = {}};
+      });
+      return;
+    }
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const DirectionPair& pair = pairs[k];
     const bool through = (pair.wi.z < 0) != (pair.wo.z < 0);
     try {
-      const Rgb f = m.model.eval(pair.wi, pair.wo);
+      const Rgb f = together.empty() ? m.model.eval(pair.wi, pair.wo) : together[k];
       for (int c = 0; c < 3; ++c) {
         const bool good =
             std::isfinite(f[c]) && f[c] >= 0 && (!through || m.transmits || f[c] == 0);
@@ -97,7 +112,15 @@ void check_reciprocity(const CheckedModel& m, std::span<const DirectionPair> pai
                        double deviations, CheckLine& line) {
   const auto* stochastic = dynamic_cast<const StochasticModel*>(&m.model);
   const double rounding = std::max(kReciprocity, unit_rounding(m.single_precision));
-  for (const DirectionPair& pair : pairs) {
+  std::vector<Rgb> there, swapped;
+  if (is_batched(m.model)) {
+    std::vector<DirectionPair> turned;
+    for (const DirectionPair& pair : pairs) turned.push_back({pair.wo, pair.wi});
+    there = pair_values(m.model, pairs);
+    swapped = pair_values(m.model, turned);
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const DirectionPair& pair = pairs[k];
     const Direction wi = pair.wi, wo = pair.wo;
     if ((wi.z < 0) != (wo.z < 0)) continue;
     Rgb forth, back, error;
@@ -107,6 +130,8 @@ void check_reciprocity(const CheckedModel& m, std::span<const DirectionPair> pai
       forth = a.f, back = b.f;
       for (int c = 0; c < 3; ++c)
         error[c] = deviations * std::hypot(a.standard_error[c], b.standard_error[c]);
+    } else if (!there.empty()) {
+      forth = there[k], back = swapped[k];
     } else {
       forth = m.model.eval(wi, wo), back = m.model.eval(wo, wi);
     }
@@ -146,18 +171,26 @@ void check_batches(const CheckedModel& m, std::span<const DirectionPair> pairs, 
   reversed.values.resize(pairs.size());
   m.model.eval(turned, reversed.values, supported_isas().back());
   std::reverse(reversed.values.begin(), reversed.values.end());
-  Batch& summed = batches.emplace_back(Batch{"the sum of the lobes", {}});
   std::vector<Rgb> lobes(static_cast<std::size_t>(m.lobes));
   std::vector<Rgb> sizes;
+  // A model that is asked for many pairs at a time has one lobe, and is asked for few alone.
+  const bool batched = is_batched(m.model);
+  const std::size_t step = batched ? std::max<std::size_t>(1, pairs.size() / kFewPairs) : 1;
+  if (batched)
+    for (const Rgb& v : batches.front().values)
+      sizes.emplace_back(std::abs(v.r), std::abs(v.g), std::abs(v.b));
+  else
+    batches.emplace_back(Batch{"the sum of the lobes", {}});
   for (const DirectionPair& pair : pairs) {
+    if (batched) break;
     m.model.eval_lobes(pair.wi, pair.wo, lobes);
     Rgb sum, size;
     for (const Rgb& v : lobes) sum += v;
     for (int c = 0; c < 3; ++c) size[c] = sum_of_sizes(lobes, c);
-    summed.values.push_back(sum);
+    batches.back().values.push_back(sum);
     sizes.push_back(size);
   }
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
+  for (std::size_t k = 0; k < pairs.size(); k += step) {
     const Direction wi = pairs[k].wi, wo = pairs[k].wo;
     const Rgb f = m.model.eval(wi, wo);
     const double mu = std::max({std::abs(wi.z), std::abs(wo.z), kGrazingLimit});

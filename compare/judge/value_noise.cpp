@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "compare/judge/pair_values.h"
+
 namespace lamella {
 namespace {
 
@@ -26,9 +28,9 @@ bool is_float(double x) { return static_cast<double>(static_cast<float>(x)) == x
 }  // namespace
 
 Rgb value_noise(const Model& model, Direction wi, Direction wo) {
-  std::array<Rgb, kPoints> values;
-  for (int k = 0; k < kPoints; ++k)
-    values[k] = model.eval(moved(wi, k * kStep), moved(wo, k * kStep));
+  std::array<DirectionPair, kPoints> pairs;
+  for (int k = 0; k < kPoints; ++k) pairs[k] = {moved(wi, k * kStep), moved(wo, k * kStep)};
+  const std::vector<Rgb> values = pair_values(model, pairs);
   Rgb noise;
   for (int c = 0; c < 3; ++c) {
     std::array<double, kPoints> d{};
@@ -43,11 +45,16 @@ Rgb value_noise(const Model& model, Direction wi, Direction wo) {
 }
 
 bool is_single_precision(const Model& model, int lobes, std::span<const DirectionPair> pairs) {
+  const auto all_are = [](std::span<const Rgb> list) {
+    return std::all_of(list.begin(), list.end(), [](const Rgb& v) {
+      return is_float(v.r) && is_float(v.g) && is_float(v.b);
+    });
+  };
+  if (is_batched(model)) return all_are(pair_values(model, pairs));
   std::vector<Rgb> values(static_cast<std::size_t>(lobes));
   for (const DirectionPair& pair : pairs) {
     model.eval_lobes(pair.wi, pair.wo, values);
-    for (const Rgb& v : values)
-      if (!is_float(v.r) || !is_float(v.g) || !is_float(v.b)) return false;
+    if (!all_are(values)) return false;
   }
   return true;
 }

@@ -13,6 +13,7 @@
 #include "compare/python/bound_model.h"
 #include "compare/python/keyword_options.h"
 #include "compare/python/python_lobes.h"
+#include "compare/python/python_report.h"
 #include "compare/python/work.h"
 #include "compare/report/comparison_report.h"
 #include "compare/report/json_report.h"
@@ -25,26 +26,8 @@ namespace py = pybind11;
 
 namespace {
 
-// A comparison and all that it points to.
-struct Report {
-  TruthRequest request;
-  std::vector<std::shared_ptr<PythonModel>> given;  // whose functions and infos `models` use
-  std::vector<BoundModel> models;
-  InputFiles inputs;
-  StackComparison comparison;
-
-  [[nodiscard]] std::string title() const {
-    return request.stack.name + ": closed forms against ground truth";
-  }
-  [[nodiscard]] nlohmann::ordered_json answer() const {
-    nlohmann::ordered_json json = comparison_json(request, comparison);
-    add_files(json, inputs);
-    return json;
-  }
-};
-
 // Models that were made already, or texts as --model has them; none: all that apply.
-std::vector<BoundModel> models_of(Report& report, const std::vector<py::object>& asked,
+std::vector<BoundModel> models_of(PythonReport& report, const std::vector<py::object>& asked,
                                   const std::vector<std::string>& texts, const Stack& stack) {
   std::vector<BoundModel> models;
   if (asked.empty()) return fitted_models_for({}, stack);
@@ -63,7 +46,7 @@ std::vector<BoundModel> models_of(Report& report, const std::vector<py::object>&
 py::tuple compare_models(const Stack& stack, const std::vector<py::object>& asked,
                          const py::dict& keywords, const py::object& show) {
   const Options options = options_of(keywords);
-  auto report = std::make_unique<Report>();
+  auto report = std::make_unique<PythonReport>();
   report->request = truth_request(options, stack);
   std::vector<std::string> texts;
   for (const py::object& model : asked) {
@@ -86,7 +69,7 @@ py::tuple compare_with_measured(const std::shared_ptr<PythonModel>& measured,
                                 const std::vector<py::object>& asked, const py::dict& keywords,
                                 const py::object& show) {
   const Options options = options_of(keywords);
-  auto report = std::make_unique<Report>();
+  auto report = std::make_unique<PythonReport>();
   TruthRequest& request = report->request;
   request.stack.name = measured->bound.info->name;
   request.directions = incident_directions(options, Stack{});
@@ -108,8 +91,10 @@ py::tuple compare_with_measured(const std::shared_ptr<PythonModel>& measured,
   return py::make_tuple(std::move(report), end.warnings);
 }
 
-void save(const Report& report, const std::string& folder,
-          const std::vector<std::string>& pictures) {
+}  // namespace
+
+void save_report(const PythonReport& report, const std::string& folder,
+                 const std::vector<std::string>& pictures) {
   const std::vector<PictureFormat> formats = picture_formats(pictures);
   make_output_folder(folder);
   const FolderLock lock(folder);
@@ -121,36 +106,46 @@ void save(const Report& report, const std::string& folder,
                     comparison_details(report.comparison));
 }
 
-std::unique_ptr<PythonLobes> truth_lobes(const Report& report) {
+namespace {
+
+std::unique_ptr<PythonLobes> truth_lobes(const PythonReport& report) {
   return simulated_lobes(report.request, report.comparison.runs, report.comparison.choice,
                          report.inputs, report.comparison.interrupted);
 }
 
 }  // namespace
 
+nlohmann::ordered_json PythonReport::answer() const {
+  nlohmann::ordered_json json = comparison_json(request, comparison);
+  add_files(json, inputs);
+  return json;
+}
+
 void bind_report(py::module_& m) {
-  py::class_<Report>(m, "Report")
-      .def_property_readonly("answer", [](const Report& r) { return r.answer().dump(); })
+  py::class_<PythonReport>(m, "Report")
+      .def_property_readonly("answer", [](const PythonReport& r) { return r.answer().dump(); })
       .def_property_readonly(
-          "summary", [](const Report& r) { return comparison_summary(r.request, r.comparison); })
+          "summary",
+          [](const PythonReport& r) { return comparison_summary(r.request, r.comparison); })
       .def_property_readonly("page",
-                             [](const Report& r) {
+                             [](const PythonReport& r) {
                                return report_page(r.title(), r.answer(),
                                                   comparison_details(r.comparison));
                              })
       .def_property_readonly("names",
-                             [](const Report& r) {
+                             [](const PythonReport& r) {
                                std::vector<std::string> names;
                                for (const JudgedModel& j : r.comparison.models)
                                  names.push_back(j.name);
                                return names;
                              })
-      .def_property_readonly("worst_relative_rmse",
-                             [](const Report& r) { return worst_relative_rmse(r.comparison); })
+      .def_property_readonly(
+          "worst_relative_rmse",
+          [](const PythonReport& r) { return worst_relative_rmse(r.comparison); })
       .def_property_readonly("interrupted",
-                             [](const Report& r) { return r.comparison.interrupted; })
+                             [](const PythonReport& r) { return r.comparison.interrupted; })
       .def("truth", &truth_lobes)
-      .def("save", &save, py::call_guard<py::gil_scoped_release>());
+      .def("save", &save_report, py::call_guard<py::gil_scoped_release>());
   m.def("compare", &compare_models);
   m.def("compare_measured", &compare_with_measured);
 }

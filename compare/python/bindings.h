@@ -16,5 +16,8 @@ void bind_truth(pybind11::module_& m);
 void bind_report(pybind11::module_& m);
 void bind_furnace(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);
+void bind_family(pybind11::module_& m);
+void bind_fit(pybind11::module_& m);
+void bind_check(pybind11::module_& m);
 
 }  // namespace lamella

@@ -12,4 +12,7 @@ PYBIND11_MODULE(_core, m) {
   lamella::bind_report(m);
   lamella::bind_furnace(m);
   lamella::bind_formats(m);
+  lamella::bind_family(m);
+  lamella::bind_fit(m);
+  lamella::bind_check(m);
 }

@@ -109,6 +109,8 @@ Options options_of(const py::dict& keywords) {
       options.threads = static_cast<int>(whole("--threads", value, 1, 4096));
     } else if (name == "isa") {
       options.isa = text_of(value);
+    } else if (name == "quick") {
+      options.quick = py::cast<bool>(value);
     } else if (name == "as_is") {
       options.as_is = py::cast<bool>(value);
     } else if (name == "max_error") {

@@ -109,7 +109,8 @@ ExrImage simulation_image(const TruthRequest& request, const std::vector<RunResu
         if (side.lobes[o].value.empty()) continue;
         const int n = static_cast<int>(k);
         add(image, n, reflected, static_cast<Order>(o), "", side.lobes[o].value, runs[k].channels);
-        add(image, n, reflected, static_cast<Order>(o), "se", side.lobes[o].standard_error, runs[k].channels);
+        add(image, n, reflected, static_cast<Order>(o), "se", side.lobes[o].standard_error,
+            runs[k].channels);
       }
     }
   add_plain_channels(image);

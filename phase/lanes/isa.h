@@ -42,8 +42,8 @@ enum class Isa { scalar, sse4, avx2, avx512 };
 
 /// Declares a function that a source of lamella_lanes() defines in each set's namespace, and in
 /// namespace lamella a pointer to the one of a set: LAMELLA_LANE_FUNCTION(void, f, (int n)) makes
-/// `void (*f_for(Isa isa))(int n)`; null for Isa::scalar and for sets that were not compiled. Use it
-/// inside namespace lamella.
+/// `void (*f_for(Isa isa))(int n)`; null for Isa::scalar and for sets that were not compiled. Use
+/// it inside namespace lamella.
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of parameters has its own
 #define LAMELLA_LANE_FUNCTION(result, name, parameters)                 \
   namespace isa_sse4 {                                                  \

@@ -34,6 +34,7 @@ WRONG = {
     "RESULT": ["", "none/x.exr", "folder", "x.png", "x"],
     "I/N|auto": ["", "x", "1", "0/2", "3/2", "1/2/3", "1/0", "-1/2", "auto", "auto/0", "auto/2", "1/1000001"],
     "FOLDER": ["", "file", "file/x", "x.png"],
+    "PATH": ["", "file/x", "folder"],
     "NAME[,key=value...]": ["", "nonsense", "eon,nonsense=1", "eon,roughness=2", "eon,roughness=x", "eon,roughness",
                             "eon,roughness=", "@none", "@folder", "./none.so", ",", "eon,=1"],
     "PATH=VALUES": ["", "x", "layer.0.albedo", "layer.9.albedo=0.5", "layer.0.nonsense=1", "layer.0.albedo=x",
@@ -129,7 +130,7 @@ class EveryOption(ProgramTest):
         self.refused("invert", "", "albedo=0.5", parts=['found ""'])
         self.refused("check", "", parts=['found ""'])
         if WITH_CERES:
-            self.refused("fit", "", parts=['STACK: found ""'])
+            self.refused("fit", "", parts=['TARGET: found ""'])
 
     def test_words_beside_what_a_command_takes(self):
         for command in self.commands():

@@ -31,3 +31,60 @@ def test_the_package_installs_from_the_build(tmp_path):
     assert Path(told[0]).is_relative_to(place)
     assert {"_core.pyi", "py.typed"} <= {p.name for p in (place / "lamella").iterdir()}
     assert f"VERSION {told[1]} " in (SOURCE / "CMakeLists.txt").read_text()
+
+
+def imported(place, folder):
+    """Where a copy of the package in `place` is imported from, by a Python that knows no other."""
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    told = subprocess.run(
+        [sys.executable, "-c", "import lamella as lm; print(lm.__file__, len(lm.models()))"],
+        cwd=folder, env={**environment, "PYTHONPATH": str(place)}, capture_output=True, text=True,
+        check=True).stdout.split()
+    assert Path(told[0]).is_relative_to(place) and int(told[1]) > 15
+    return {p.name for p in (place / "lamella").iterdir()}
+
+
+def test_cmake_installs_the_package(tmp_path):
+    if shutil.which("cmake") is None:
+        pytest.skip("no cmake")
+    subprocess.run(["cmake", "--install", str(BUILD), "--prefix", str(tmp_path), "--component",
+                    "python"], check=True, capture_output=True)
+    [place] = tmp_path.glob("lib/python3*/dist-packages")
+    assert {"_core.pyi", "py.typed"} <= imported(place, tmp_path)
+    # Nothing else belongs to it.
+    assert [p.name for p in tmp_path.iterdir()] == ["lib"]
+
+
+def test_cpack_makes_debian_packages(tmp_path):
+    for program in "cpack", "dpkg-deb", "dpkg-shlibdeps":
+        if shutil.which(program) is None:
+            pytest.skip(f"no {program}")
+    subprocess.run(["cpack", "-G", "DEB", "-B", str(tmp_path / "packages"), "-D",
+                    "CPACK_COMPONENTS_ALL=program;python"], cwd=BUILD, check=True,
+                   capture_output=True)
+    packages = {p.name.split("_")[0]: p for p in (tmp_path / "packages").glob("*.deb")}
+    assert set(packages) == {"lamella", "python3-lamella"}
+    for name, package in packages.items():
+        depends = subprocess.run(["dpkg-deb", "--field", str(package), "Depends"], check=True,
+                                 capture_output=True, text=True).stdout
+        assert "libtbb12" in depends and ("python3-numpy" in depends) == (name != "lamella")
+        subprocess.run(["dpkg-deb", "--extract", str(package), str(tmp_path / name)], check=True)
+    version = subprocess.run([str(tmp_path / "lamella/usr/bin/lamella"), "--version"], check=True,
+                             capture_output=True, text=True).stdout
+    assert f"VERSION {version.split()[-1]} " in (SOURCE / "CMakeLists.txt").read_text()
+    assert list((tmp_path / "lamella").glob("usr/share/man/man1/lamella.1*"))
+    [place] = (tmp_path / "python3-lamella").glob("usr/lib/python3*/dist-packages")
+    imported(place, tmp_path)
+
+
+def test_the_import_is_short(tmp_path):
+    """Processor time of `import lamella` beyond an empty program's, the least of five."""
+    def seconds(code):
+        import resource
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    # NumPy takes about 0.1 s of it; the contract is 0.3 s by the clock of an idle machine.
+    assert min(seconds("import lamella") for _ in range(5)) - min(
+        seconds("pass") for _ in range(5)) < 0.3

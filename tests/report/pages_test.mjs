@@ -285,6 +285,28 @@ test("the furnaces of a stack and of models mark their verdicts by more than col
   }
 });
 
+test("a check of a model has a row per check with its worst case, and marks its verdict by more than colour", async () => {
+  for (const [name, model, overall] of [["right", "eon", /✓ pass/], ["wrong", "hapke_lambert_sphere", /✗ fail/]]) {
+    const words = ["check", model, "--quick", "--configurations", "2", "--html", `${name}.html`, "--json", `${name}.json`, "--quiet"];
+    await lamella(...words).catch((error) => assert.match(error.message, /: 1 /));
+    const {page, complaints} = await open(browser.context, `${name}.html`);
+    const answer = json(`${name}.json`);
+    assert.deepEqual(await embedded(page, "answer"), answer);
+    assert.match(await page.textContent(".overall"), overall);
+    const rows = await rowsOf(page);
+    assert.equal(rows.length, answer.checks.length);
+    for (const row of rows) {
+      const {worst} = answer.checks[row.check];
+      if (worst) assert.deepEqual(row.fields, {found: String(worst.found), allowed: String(worst.allowed)});
+    }
+    assert.equal(await page.locator(".chart svg").count(), 1);
+    await page.setViewportSize({width: 390, height: 800});
+    await fitsTheWidth(page);
+    assert.deepEqual(complaints, []);
+    await page.close();
+  }
+});
+
 test("the furnaces of models over their parameters are heat maps with marks", async () => {
   await lamella("furnace", "--sweep", "--model", "oren_nayar", "--model", "fon", "--html", "ranges.html", "--json", "ranges.json", "--quiet");
   const {page, complaints} = await open(browser.context, "ranges.html");

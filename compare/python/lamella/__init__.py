@@ -12,6 +12,8 @@ evaluated beside it, and a report says lobe by lobe how far they are apart, nois
     model = lm.Model("eon", albedo=0.8, roughness=0.5)
     report = lm.compare(stack, [model, my_function])  # my_function(wi, wo) -> f, on arrays
     lm.furnace(stack)
+    lm.check(my_function)                             # a battery for what you write
+    lm.fit("gold.binary", "eon,vmf_diffuse")          # the parameters that come nearest
 
 Conventions. z is up, the macroscopic normal. Directions are unit vectors that point away from the
 stack, w_i to the light, w_o to the viewer; arrays of them have shape (..., 3). f(w_i, w_o) [1/sr]
@@ -29,8 +31,11 @@ checkpoint: simulate, truth, compare and furnace give what is there, with a Runt
 
 from ._core import __version__
 from .directions import directions
+from .fits import Family, Fit, Fits, fit
 from .furnaces import Furnace, furnace
+from .checks import Check, check
 from .catalogue import media, models, stacks
+from .headers import include_folder
 from .lobes import Energies, Lobes, StandardErrors, read
 from .models import Model
 from .reports import Report, compare
@@ -38,7 +43,8 @@ from .stacks import Stack, interface, layer, substrate
 from .truths import simulate, truth
 
 __all__ = [
-    "Energies", "Furnace", "Lobes", "Model", "Report", "Stack", "StandardErrors", "__version__",
-    "compare", "directions", "furnace", "interface", "layer", "media", "models", "read",
-    "simulate", "stacks", "substrate", "truth",
+    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Lobes", "Model", "Report", "Stack",
+    "StandardErrors", "__version__", "check", "compare", "directions", "fit", "furnace",
+    "include_folder", "interface", "layer", "media", "models", "read", "simulate", "stacks",
+    "substrate", "truth",
 ]

@@ -66,6 +66,21 @@ class Report:
     def truth(self) -> Lobes: ...
     def save(self, folder: str, pictures: Sequence[str]) -> None: ...
 
+class Family:
+    name: str
+
+class Fits:
+    answer: str
+    summary: str
+    interrupted: bool
+    def report(self) -> Report: ...
+
+class Check:
+    answer: str
+    text: str
+    page: str
+    interrupted: bool
+
 def models() -> list[dict[str, Any]]: ...
 def media() -> list[dict[str, Any]]: ...
 def stacks() -> list[dict[str, Any]]: ...
@@ -91,6 +106,16 @@ def compare(
 def compare_measured(
     measured: Model, models: Sequence[Any], keywords: Keywords, show: Show
 ) -> tuple[Report, list[str]]: ...
+def check(
+    model: Any, stack: Optional[Stack], reciprocal: Optional[bool], configurations: Optional[int],
+    samples: Optional[int], keywords: Keywords, show: Show
+) -> tuple[Check, list[str]]: ...
+def make_family(
+    name: str, function: Any, ranges: Sequence[tuple[str, float, float, bool]], transmits: bool
+) -> Family: ...
+def fit(
+    target: Any, models: Sequence[Any], norm: str, sides: str, keywords: Keywords, show: Show
+) -> tuple[Fits, list[str]]: ...
 def furnace(
     stack: Stack, model: str, keywords: Keywords, show: Show
 ) -> tuple[str, list[str]]: ...

@@ -1,6 +1,7 @@
 // The program without Ceres: this test links the stand-in of the fits.
 #include <gtest/gtest.h>
 
+#include "compare/fit/bounded_least_squares.h"
 #include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"
 #include "compare/fit/spongecake_fit.h"
@@ -27,6 +28,7 @@ TEST(FitsWithoutCeres, AreRefusedWithOneLineThatSaysSo) {
   expect_refusal(
       [] { (void)fit_sampling_lobes([](double) { return std::unique_ptr<Model>(); }, 2, 2); });
   expect_refusal([] { (void)to_initializers({}); });
+  expect_refusal([] { (void)minimum_from({}, {}, {}); });
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ RunResult solved() {
   run.seconds = 0.1;
   run.reflected.total[1] = {0.3, 1e-9};
   run.reflected.orders[3][2] = {1.0 / 3, 1e-17};
-  run.reflected.lobes[kTallyOrders] = {std::vector<double>(12, 0.1), std::vector<double>(12, 1e-5)};
+  run.reflected.lobes[Order::all] = {std::vector<double>(12, 0.1), std::vector<double>(12, 1e-5)};
   run.unresolved[0] = {1e-300, 0};
   run.accuracy.emplace();
   run.accuracy->limit = DeterministicLimit::time;
@@ -32,7 +32,7 @@ TEST(RunBytes, GiveBackEveryBit) {
   EXPECT_EQ(run.incident.z, 0.8);
   EXPECT_EQ(run.grid, (CellGrid{2, 4, true}));
   EXPECT_EQ(run.reflected.orders[3][2].value, 1.0 / 3);
-  EXPECT_EQ(run.reflected.lobes[kTallyOrders].standard_error, std::vector<double>(12, 1e-5));
+  EXPECT_EQ(run.reflected.lobes[Order::all].standard_error, std::vector<double>(12, 1e-5));
   EXPECT_EQ(run.unresolved[0].value, 1e-300);
   EXPECT_EQ(run.accuracy->limit, DeterministicLimit::time);
   EXPECT_EQ(run.accuracy->bytes, std::size_t{1} << 40);
