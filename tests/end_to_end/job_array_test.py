@@ -1,4 +1,4 @@
-"""The job scripts of compare/MACHINES.md: with a scheduler's variables, and with Slurm where it is installed."""
+"""The job scripts of compare/MACHINES.md, with a scheduler's variables and with Slurm itself."""
 
 import os
 import pathlib
