@@ -1,5 +1,7 @@
 #include "analytic/half_space/lambert_sphere_three_term.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -71,8 +73,8 @@ class LambertSphereThreeTerm final : public Model {
 };
 
 PartInfo h_part(int mode) {
-  return part_of_albedo("h" + std::to_string(mode),
-                        "H of w_i in azimuthal mode " + std::to_string(mode) + ", exact",
+  return part_of_albedo(fmt::format("h{}", mode),
+                        fmt::format("H of w_i in azimuthal mode {}, exact", mode),
                         [mode](double c, double mu) {
                           return ThreeTermHalfSpace(lambert_sphere_phase_terms(c)).h(mode)(mu);
                         });

@@ -1,5 +1,7 @@
 #include "analytic/half_space/vmf_diffuse.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -160,14 +162,16 @@ std::vector<PartInfo> parts() {
        }}};
   for (int order = 1; order <= 3; ++order)
     for (int m = 0; m <= 2; ++m)
-      list.push_back({"f" + std::to_string(order) + "_mode" + std::to_string(m),
-                      "printed azimuthal mode of order " + std::to_string(order) +
-                          " at albedo 1, without its cosine [1/sr]",
-                      [order, m](const Parameters& p, Direction wi, Direction wo) {
-                        return Rgb(vmf_diffuse_mode(order, m, p.number("roughness"),
-                                                    std::max(std::abs(wi.z), kGrazingLimit),
-                                                    std::max(std::abs(wo.z), kGrazingLimit)));
-                      }});
+      list.push_back(
+          {fmt::format("f{}_mode{}", order, m),
+           fmt::format(
+               "printed azimuthal mode {} of order {} at albedo 1, without its cosine [1/sr]", m,
+               order),
+           [order, m](const Parameters& p, Direction wi, Direction wo) {
+             return Rgb(vmf_diffuse_mode(order, m, p.number("roughness"),
+                                         std::max(std::abs(wi.z), kGrazingLimit),
+                                         std::max(std::abs(wo.z), kGrazingLimit)));
+           }});
   return list;
 }
 

@@ -35,7 +35,7 @@ constexpr std::array kSchedulers{
               "completionMode: Indexed, completions: N"},
 };
 
-std::optional<std::string> value_of(const Environment& environment, const char* name) {
+std::optional<std::string> value_of(const EnvironmentVariables& environment, const char* name) {
   if (*name == '\0') return std::nullopt;
   std::optional<std::string> value = environment(name);
   // Grid Engine sets it to this in jobs that are no arrays.
@@ -44,7 +44,7 @@ std::optional<std::string> value_of(const Environment& environment, const char* 
 }
 
 // Digits alone: a scheduler writes nothing else.
-std::optional<std::uint64_t> number_in(const Environment& environment, const char* name) {
+std::optional<std::uint64_t> number_in(const EnvironmentVariables& environment, const char* name) {
   const std::optional<std::string> text = value_of(environment, name);
   if (!text) return std::nullopt;
   if (text->size() <= 18 && text->find_first_not_of("0123456789") == std::string::npos)
@@ -53,7 +53,7 @@ std::optional<std::uint64_t> number_in(const Environment& environment, const cha
       fmt::format("--shard auto: found {} = \"{}\"; allowed: a whole number", name, *text));
 }
 
-const Scheduler& scheduler_of(const Environment& environment) {
+const Scheduler& scheduler_of(const EnvironmentVariables& environment) {
   std::vector<const Scheduler*> found;
   std::string names;
   for (const Scheduler& s : kSchedulers) {
@@ -78,7 +78,8 @@ Shard of_given_count(const Scheduler& s, std::uint64_t task, std::uint64_t count
   return {task - s.least + 1, count};
 }
 
-Shard of_told_count(const Scheduler& s, std::uint64_t task, const Environment& environment) {
+Shard of_told_count(const Scheduler& s, std::uint64_t task,
+                    const EnvironmentVariables& environment) {
   const auto first = number_in(environment, s.first), last = number_in(environment, s.last);
   if (!first || !last)
     throw UsageError(fmt::format(
@@ -105,14 +106,14 @@ Shard of_told_count(const Scheduler& s, std::uint64_t task, const Environment& e
 
 }  // namespace
 
-Environment process_environment() {
+EnvironmentVariables process_environment() {
   return [](const std::string& name) -> std::optional<std::string> {
     const char* value = std::getenv(name.c_str());
     return value ? std::optional<std::string>(value) : std::nullopt;
   };
 }
 
-Shard shard_from(const std::string& text, const Environment& environment) {
+Shard shard_from(const std::string& text, const EnvironmentVariables& environment) {
   if (text != "auto" && !text.starts_with("auto/")) return parse_shard(text);
   // The count is held against its range before there is a task to look for.
   std::optional<std::uint64_t> count;

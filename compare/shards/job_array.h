@@ -9,10 +9,10 @@
 namespace lamella {
 
 /// The value of an environment variable, nothing where it is not set.
-using Environment = std::function<std::optional<std::string>(const std::string& name)>;
+using EnvironmentVariables = std::function<std::optional<std::string>(const std::string& name)>;
 
 /// The environment of this process.
-[[nodiscard]] Environment process_environment();
+[[nodiscard]] EnvironmentVariables process_environment();
 
 /// --shard as typed: I/N; auto, the task of a scheduler's job array; or auto/N, the same where the
 /// scheduler does not tell how many tasks there are, or runs some of them again.
@@ -25,6 +25,6 @@ using Environment = std::function<std::optional<std::string>(const std::string& 
 ///
 /// Throws UsageError, which names the variables, where there is no task, where two schedulers have
 /// one, and where variables contradict one another or N.
-[[nodiscard]] Shard shard_from(const std::string& text, const Environment& environment);
+[[nodiscard]] Shard shard_from(const std::string& text, const EnvironmentVariables& environment);
 
 }  // namespace lamella
