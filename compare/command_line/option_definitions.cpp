@@ -283,7 +283,7 @@ void add_shard(CLI::App& command, CommandLine& line, const std::string& type,
           "--shard", line.options.shard,
           "Do the part I of N parts, from 1 (see lamella merge); auto, auto/N: of a job array")
       ->transform(one_part())
-      ->type_name("I/N|auto");
+      ->type_name("I/N");
   const CLI::Validator own = output_of(type.empty() ? "FILE.part" : type);
   command
       .add_option("-o,--output", line.options.output,

@@ -125,13 +125,15 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
   }
   const auto start = std::chrono::steady_clock::now();
   std::size_t left = by_incident.size();
-  for (auto& [incident, points] : by_incident) {
+  for (auto& [incident, of_incident] : by_incident) {
+    std::vector<Point>& points = of_incident;
+    const auto [x, y, z] = incident;
+    const Direction wi{x, y, z};
     std::stable_partition(points.begin(), points.end(), [](const Point& p) { return p.wo.z > 0; });
-    const auto walked = [&, &points = points] {
+    const auto walked = [&] {
       std::vector<Direction> directions;
       for (const Point& p : points) directions.push_back(p.wo);
-      const auto [x, y, z] = incident;
-      Simulation simulation(stack, plan, {x, y, z}, directions, seed);
+      Simulation simulation(stack, plan, wi, directions, seed);
       StopRule rule{.walks = walks, .target_error = {}, .seconds = {}};
       if (seconds)
         rule.seconds =

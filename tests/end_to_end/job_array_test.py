@@ -1,4 +1,4 @@
-"""The job scripts of compare/MACHINES.md, with a scheduler's variables and with Slurm itself."""
+"""Job scripts of compare/MACHINES.md by variables of schedulers, and by Slurm where it is there."""
 
 import os
 import pathlib

@@ -32,7 +32,7 @@ WRONG = {
     "FILE.csv": ["", "none/x.csv", "folder", "x.png", "x"],
     "FILE.part": ["", "none/x.part", "folder", "x.png", "x"],
     "RESULT": ["", "none/x.exr", "folder", "x.png", "x"],
-    "I/N|auto": ["", "x", "1", "0/2", "3/2", "1/2/3", "1/0", "-1/2", "auto", "auto/0", "auto/2", "1/1000001"],
+    "I/N": ["", "x", "1", "0/2", "3/2", "1/2/3", "1/0", "-1/2", "auto", "auto/0", "auto/2", "1/1000001"],
     "FOLDER": ["", "file", "file/x", "x.png"],
     "PATH": ["", "file/x", "folder"],
     "NAME[,key=value...]": ["", "nonsense", "eon,nonsense=1", "eon,roughness=2", "eon,roughness=x", "eon,roughness",

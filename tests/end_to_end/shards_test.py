@@ -63,13 +63,20 @@ class PartsAreTheWholeRun(Parts):
         whole, merged = (json.loads(self.bytes_of(f"{name}/report.json")) for name in ("whole", "merged"))
         self.assertEqual(without(whole, TIMINGS | {"threads"}), without(merged, TIMINGS | {"threads"}))
 
-    def test_of_furnace_with_its_radiance(self):
-        self.write("vmf.toml", '[[layer]]\nmedium = "vmf_flake"\nroughness = 0.5\nthickness = 1\n')
-        arguments = ["furnace", "vmf.toml", "--walks", "2e4", "--wi", "45"]
+    def furnace_of(self, stack):
+        arguments = ["furnace", stack, "--walks", "2000", "--wi", "45"]
         whole = self.lamella(*arguments, "--json", "-").json()
-        self.assertIn("radiance", whole["runs"][0])
         merged = self.lamella("merge", *self.parts_of(2, *arguments), "--json", "-").json()
         self.assertEqual(without(whole, TIMINGS | {"threads"}), without(merged, TIMINGS | {"threads"}))
+        return whole
+
+    def test_of_furnace(self):
+        self.assertEqual(self.furnace_of("sggx_slab")["verdict"], "inconclusive")
+
+    @unittest.skipUnless("LAMELLA_SOAK" in os.environ, "radiance takes 132 runs of seconds: in the soak")
+    def test_of_furnace_with_its_radiance(self):
+        self.write("vmf.toml", '[[layer]]\nmedium = "vmf_flake"\nroughness = 0.5\nthickness = 1\n')
+        self.assertIn("radiance", self.furnace_of("vmf.toml")["runs"][0])
 
     def test_of_truth_at_pairs(self):
         rows = "".join(f"{0.1 + k / 10:g},0,{0.9 - k / 20:g},{20 * k}\n" for k in range(7))
@@ -84,7 +91,8 @@ class PartsAreTheWholeRun(Parts):
             self.assertEqual(self.bytes_of("merged.csv").decode(), whole)
 
     def test_of_a_sweep(self):
-        arguments = ["sweep", "sggx_slab", "--set", "layer.0.roughness=0.2:0.8:5", *QUICK, "--wi", "60"]
+        arguments = ["sweep", "sggx_slab", "--set", "layer.0.roughness=0.2:0.8:5", *QUICK, "--wi", "60",
+                     "--model", "lambert,albedo=0.3"]
         self.lamella(*arguments, "-o", "whole")
         self.lamella("merge", *self.parts_of(3, *arguments), "-o", "merged", "--quiet")
         whole, merged = self.folder / "whole", self.folder / "merged"
