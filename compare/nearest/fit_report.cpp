@@ -36,7 +36,7 @@ std::string error_text(double error) {
 std::string block(const ModelFit& fit) {
   std::string text =
       fmt::format("\n{}: {} left over", fit.request.name, percent_text(fit.relative_rmse));
-  if (fit.noise > 0) text += fmt::format(", {} of it noise", percent_text(fit.noise));
+  if (fit.noise > 0) text += fmt::format(", noise {}", percent_text(fit.noise));
   if (fit.starts > 0)
     text += fmt::format("; {} of {} searches ended there", fit.agreeing, fit.starts);
   text += "\n";

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "compare/exchange/measured_comparison.h"
+#include "compare/judge/projection.h"
 
 namespace lamella {
 namespace {
@@ -77,6 +79,8 @@ TargetTruths truths_of(const LobeSet& lobes, const std::string& name) {
   TargetTruths target;
   const auto se = lobes.attributes.find("lamella.se");
   const bool walks = se != lobes.attributes.end() && se->second == "standard error";
+  // A projection tells what it left open beyond its tolerance.
+  const bool projected = se != lobes.attributes.end() && se->second.starts_with("what the proj");
   target.request.stack.name = name;
   target.request.directions = lobes.directions;
   target.request.cells = lobes.grid;
@@ -99,6 +103,10 @@ TargetTruths truths_of(const LobeSet& lobes, const std::string& name) {
       const std::string word = reflected ? "reflect" : "transmit";
       for (std::size_t o = 0; o < kNames.size(); ++o)
         side.lobes[o] = lobe_of(lobes, word, kNames[o], d);
+      for (LobeEstimate& lobe : side.lobes)
+        for (std::size_t k = 0; projected && k < lobe.value.size(); ++k)
+          lobe.standard_error[k] =
+              std::max(lobe.standard_error[k], kProjectionTolerance * std::abs(lobe.value[k]));
       const LobeEstimate& all = side.lobes[Order::all];
       for (std::size_t k = 0; k < all.value.size(); ++k) {
         side.total[k / cells].value += all.value[k] * solid_angle;

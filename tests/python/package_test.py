@@ -367,12 +367,15 @@ def test_progress_is_told_in_lines(capsys):
 # The package itself
 
 def test_import_is_fast():
-    code = ("import time; start = time.perf_counter(); import lamella; "
-            "print(time.perf_counter() - start)")
+    # 0.3 s is what is promised. Of a machine that is busy with other work the processor's time
+    # counts, which grows, too, where two threads share a core.
+    idle = os.getloadavg()[0] < os.cpu_count()
+    clock = "perf_counter" if idle else "process_time"
+    code = (f"import time; start = time.{clock}(); import lamella; "
+            f"print(time.{clock}() - start)")
     seconds = min(float(subprocess.run([sys.executable, "-c", code], capture_output=True,
                                        text=True, check=True).stdout) for _ in range(5))
-    # 0.3 s is what is promised; a machine that is busy with other work may take longer.
-    assert seconds < (0.3 if os.getloadavg()[0] < os.cpu_count() else 1.5)
+    assert seconds < (0.3 if idle else 0.6)
 
 
 def test_every_public_name_is_documented():

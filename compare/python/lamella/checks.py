@@ -25,6 +25,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
+        """Whether no check failed."""
         return self.answer["verdict"] == "pass"
 
     @property
@@ -86,9 +87,9 @@ def check(model: Union[ModelLike, Family], *, stack: Union[Stack, str, None] = N
 
     Functions are called with arrays; of the pairs that are looked at, few are asked for alone.
     """
-    for what, number, least in ("configurations", configurations, 1), ("samples", samples, 256):
+    for option, number, least in ("configurations", configurations, 1), ("samples", samples, 256):
         if number is not None and not (number == int(number) and number >= least):
-            raise ValueError(f"--{what}: found \"{number}\"; allowed: a whole number from {least}")
+            raise ValueError(f"--{option}: found \"{number}\"; allowed: a whole number from {least}")
     given = keywords(quick=quick or None, time=time, seed=seed, threads=threads, isa=isa)
     if isinstance(model, (Model, Family)):
         what: Any = model._core

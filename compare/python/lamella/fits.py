@@ -64,6 +64,7 @@ class Fit:
 
     @property
     def name(self) -> str:
+        """Of the closed form, or of the function."""
         return self.answer["name"]
 
     @property
@@ -107,6 +108,7 @@ class Fit:
 
     @property
     def relative_rmse_without_noise(self) -> float:
+        """The same with the variance of the target's noise removed."""
         return self.answer["relative_rmse_without_noise"]
 
     @property
