@@ -161,7 +161,7 @@ std::vector<PartInfo> parts() {
                     vmf_diffuse_albedo(k.b, r));
        }}};
   for (int order = 1; order <= 3; ++order)
-    for (int m = 0; m <= 2; ++m)
+    for (int m = 0; m <= (order == 1 ? 2 : 1); ++m)  // the others are 0
       list.push_back(
           {fmt::format("f{}_mode{}", order, m),
            fmt::format(

@@ -9,6 +9,7 @@
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
+#include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/percent.h"
 
@@ -137,10 +138,13 @@ int bench_command(const Options& options) {
   BenchmarkEffort effort = options.quick ? BenchmarkEffort::quick() : BenchmarkEffort{};
   effort.isa = isa_of(options);
   effort.solver_seconds = options.solver_seconds.value_or(effort.solver_seconds);
-  const std::optional<Json> before =
-      options.against.empty()
-          ? std::nullopt
-          : std::optional(read_bench_file(options.against, to_text(effort.isa), options.quick));
+  std::optional<Json> before;
+  try {
+    if (!options.against.empty())
+      before = read_bench_file(options.against, to_text(effort.isa), options.quick);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
   const int rounds = options.rounds.value_or(before ? 3 : 1);
   std::FILE* out = table_stream(options);
   if (!options.quiet)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <set>
 
 #include "analytic/catalogue/model_plugin.h"
@@ -144,9 +145,10 @@ RunMonitor monitor_of_points(RunMonitor monitor) {
   monitor.solver = {};
   monitor.finished = {};
   monitor.keeper = nullptr;
-  monitor.warning = [told = std::set<std::string>(),
-                     warn = monitor.warning](const std::string& message) mutable {
-    if (told.insert(message).second && warn) warn(message);
+  // Shared, since points have copies of the monitor.
+  monitor.warning = [told = std::make_shared<std::set<std::string>>(),
+                     warn = monitor.warning](const std::string& message) {
+    if (told->insert(message).second && warn) warn(message);
   };
   return monitor;
 }

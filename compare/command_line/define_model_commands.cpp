@@ -27,9 +27,9 @@ void define_eval(CommandLine& line) {
 }
 
 void define_accuracy(CommandLine& line) {
-  CLI::App& command =
-      line.add("accuracy", "How far every closed form is from the truth, as a Markdown table",
-               "lamella accuracy --quick", [&] { return accuracy_command(line.options); });
+  CLI::App& command = line.add(
+      "accuracy", "How far every closed form is from the truth, as a Markdown table",
+      "lamella accuracy --quick --tolerance 1e-3", [&] { return accuracy_command(line.options); });
   add_tolerance(command, line);
   command.add_flag("--quick", line.options.quick, "One stack of each family");
   command.add_flag("--coats", line.options.coats,
@@ -61,8 +61,8 @@ void define_bench(CommandLine& line) {
       .add_option("--against", line.options.against,
                   "The --json of an earlier run: ratios row by row, status 1 if a row is slower "
                   "by more than the noise")
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE");
+      ->transform(named("a file that lamella bench --json wrote"))
+      ->type_name("JSON");
   command
       .add_option("--rounds", line.options.rounds,
                   "Measure everything this often, in turn: medians, and their spread as the noise "

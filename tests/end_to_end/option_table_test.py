@@ -29,6 +29,7 @@ WRONG = {
     "FILE.vdb": ["", "none/x.vdb", "folder.vdb", "x.png"],
     "FILE.toml": ["", "none/x.toml", "folder.toml", "x.png"],
     "FILE.html": ["", "none/x.html", "folder.html", "x.png"],
+    "JSON": ["", "none.json", "folder", "file", "pairs.csv"],
     "FILE.csv": ["", "none/x.csv", "folder", "x.png", "x"],
     "FILE.part": ["", "none/x.part", "folder", "x.png", "x"],
     "RESULT": ["", "none/x.exr", "folder", "x.png", "x"],

@@ -106,7 +106,7 @@ class Refinement {
                                         {.degree = degree,
                                          .depth_nodes = std::min(9, 6 + static_cast<int>(levels_)),
                                          .finest = std::min(1e-4, lowest_ / 4),
-                                         .residual = std::min(1e-8, options_.tolerance / 100),
+                                         .residual = std::clamp(options_.tolerance / 100, 1e-12, 1e-8),
                                          .isa = options_.isa,
                                          .stop = stop});
       next.answers.emplace_back();

@@ -9,7 +9,9 @@ namespace lamella {
 namespace {
 
 constexpr double kRounding = 1e-12;
-constexpr double kWidestBound = 0.1;  // of an energy, as a share of the light that arrives
+// Of an energy, as a share of the light that arrives; where the clock or Ctrl-C ended refinement,
+// what is there is kept: the first nodes know it to 1.
+constexpr double kWidestBound = 0.1, kWidestCutBound = 2;
 // A bound as large as the energy itself says that no digit is known, and may be short of the error;
 // of energies below this share it is a bound like others.
 constexpr double kDarkest = 1e-3;
@@ -18,32 +20,36 @@ bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-std::optional<std::string> why_not_an_energy(const std::string& name, const Estimate& energy) {
+std::optional<std::string> why_not_an_energy(const std::string& name, const Estimate& energy,
+                                             bool is_cut) {
   const auto& [value, bound] = energy;
   if (!std::isfinite(value) || !std::isfinite(bound))
     return fmt::format("its {} is not finite", name);
   if (value < -bound - kRounding || value > 1 + bound + kRounding)
     return fmt::format("its {} is {:.3g}, outside of 0 to 1 by more than its bound, {:.1e}", name,
                        value, bound);
-  if (bound > kWidestBound) return fmt::format("the bound of its {} is {:.1e}", name, bound);
+  if (bound > (is_cut ? kWidestCutBound : kWidestBound))
+    return fmt::format("the bound of its {} is {:.1e}", name, bound);
   return std::nullopt;
 }
 
 // The same of an energy of all orders, of which a digit must be known.
-std::optional<std::string> why_no_energy(const std::string& name, const Estimate& energy) {
-  if (auto reason = why_not_an_energy(name, energy)) return reason;
+std::optional<std::string> why_no_energy(const std::string& name, const Estimate& energy,
+                                         bool is_cut) {
+  if (auto reason = why_not_an_energy(name, energy, is_cut)) return reason;
   const auto& [value, bound] = energy;
-  if (bound >= value && value > kDarkest)
+  if (!is_cut && bound >= value && value > kDarkest)
     return fmt::format("its {} is {:.3g} with a bound of {:.1e}", name, value, bound);
   return std::nullopt;
 }
 
 std::optional<std::string> why_no_side(const std::string& name, const SideResult& side,
-                                       int channels) {
+                                       int channels, bool is_cut) {
   for (int c = 0; c < channels; ++c) {
-    if (auto reason = why_no_energy(name, side.total[c])) return reason;
+    if (auto reason = why_no_energy(name, side.total[c], is_cut)) return reason;
     for (int order = 0; order < kTallyOrders; ++order)
-      if (auto reason = why_not_an_energy(name + " by order", side.orders[order][c])) return reason;
+      if (auto reason = why_not_an_energy(name + " by order", side.orders[order][c], is_cut))
+        return reason;
   }
   for (const LobeEstimate& lobe : side.lobes)
     if (!all_finite(lobe.value) || !all_finite(lobe.standard_error))
@@ -62,11 +68,15 @@ std::optional<std::string> why_no_answer(const DeterministicAccuracy& accuracy) 
 }
 
 std::optional<std::string> why_no_answer(const RunResult& run) {
-  if (auto reason = why_no_side("reflected energy", run.reflected, run.channels)) return reason;
-  if (auto reason = why_no_side("transmitted energy", run.transmitted, run.channels)) return reason;
+  const bool is_cut = run.accuracy && (run.accuracy->limit == DeterministicLimit::time ||
+                                       run.accuracy->limit == DeterministicLimit::interrupted);
+  if (auto reason = why_no_side("reflected energy", run.reflected, run.channels, is_cut))
+    return reason;
+  if (auto reason = why_no_side("transmitted energy", run.transmitted, run.channels, is_cut))
+    return reason;
   for (int c = 0; c < run.channels; ++c) {
-    if (auto reason = why_no_energy("uncollided energy", run.uncollided[c])) return reason;
-    if (auto reason = why_no_energy("absorbed energy", run.absorbed[c])) return reason;
+    if (auto reason = why_no_energy("uncollided energy", run.uncollided[c], is_cut)) return reason;
+    if (auto reason = why_no_energy("absorbed energy", run.absorbed[c], is_cut)) return reason;
     // The bound of what is absorbed holds the defect itself: the others must cover it.
     const double defect = std::abs(ledger_sum(run, c) - 1);
     const double covered = run.reflected.total[c].standard_error +

@@ -96,10 +96,8 @@ TEST(Parts, WhatAPaperTabulatesDependsOnItsKeysAndNoOthers) {
       {"f1_mode2", {"roughness"}},
       {"f2_mode0", {"roughness"}},
       {"f2_mode1", {"roughness"}},
-      {"f2_mode2", {"roughness"}},
       {"f3_mode0", {"roughness"}},
-      {"f3_mode1", {"roughness"}},
-      {"f3_mode2", {"roughness"}}};
+      {"f3_mode1", {"roughness"}}};
   std::set<std::string> seen;
   for (const ModelInfo& info : models())
     for (const PartInfo& extra : info.parts) {
@@ -109,6 +107,8 @@ TEST(Parts, WhatAPaperTabulatesDependsOnItsKeysAndNoOthers) {
       for (const ParameterInfo& p : info.parameters) {
         Values base;
         if (p.name == "terms") base = {{"shadowing", std::string("series")}};
+        // What is white stays white at every roughness.
+        if (extra.name == "albedo_map" && p.name != "albedo") base = {{"albedo", Rgb(0.5)}};
         Values changed = base;
         changed.emplace_back(p.name, other(p));
         const bool changes = part(info, extra.name, base) != part(info, extra.name, changed);
@@ -141,7 +141,11 @@ TEST(Parts, TabulatedFunctionsAreThoseOfThePapers) {
   EXPECT_NEAR(at("lambert_sphere", "bond_albedo", white), 1, 1e-12);
   for (const double k : {0.1, 0.5, 0.9}) {
     const double c = at("lambert_sphere", "albedo_map", {{"albedo", Rgb(k)}});
-    EXPECT_NEAR(at("lambert_sphere", "bond_albedo", {{"albedo", Rgb(c)}}), k, 0.0063 + 0.0020) << k;
+    const auto bond = [&](double albedo) {
+      return at("lambert_sphere", "bond_albedo", {{"albedo", Rgb(std::min(albedo, 1.0))}});
+    };
+    EXPECT_GE(k, bond(c - 0.0063) - 0.0020) << k;
+    EXPECT_LE(k, bond(c + 0.0063) + 0.0020) << k;
   }
   // Fits against what is exact: errors as lambert_sphere_models.h has them.
   for (const double mu : {0.05, 0.4, 1.0}) {
