@@ -67,7 +67,7 @@ void define_bench(CommandLine& line) {
       .add_option("--rounds", line.options.rounds,
                   "Measure everything this often, in turn: medians, and their spread as the noise "
                   "(default: 1, with --against 3)")
-      ->check(CLI::Range(1, 100))
+      ->transform(whole_number(1, 100))
       ->type_name("N");
   add_json(command, line);
   add_html(command, line);

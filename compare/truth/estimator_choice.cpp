@@ -127,7 +127,8 @@ std::optional<std::string> why_walks_are_better(const std::vector<RunResult>& so
                                                 const TruthRequest& request) {
   double worst = 0;
   for (const RunResult& run : solved) {
-    if (auto reason = why_no_answer(run)) return "the solver has no answer: " + *reason;
+    if (auto reason = why_no_answer(run, request.solver_end.has_value()))
+      return "the solver has no answer: " + *reason;
     worst = larger_error(worst, run.accuracy->error);
   }
   if (solved.empty() || worst <= request.tolerance) return std::nullopt;

@@ -136,7 +136,8 @@ void GroundTruth::solve_harmonics() {
   solved_ = harmonic_cells(request_, plan_, monitor_.stop, monitor_.solver);
   if (request_.estimator) {
     for (const RunResult& run : solved_)
-      if (const auto reason = why_no_answer(run)) refuse_answer(request_.stack, *reason);
+      if (const auto reason = why_no_answer(run, request_.solver_end.has_value()))
+        refuse_answer(request_.stack, *reason);
     return;
   }
   const auto reason = why_walks_are_better(solved_, request_);
@@ -170,13 +171,15 @@ void GroundTruth::solve_cells() {
   }
   if (!open) {
     for (const RunResult& run : solved_)
-      if (const auto reason = why_no_answer(run)) refuse_answer(request_.stack, *reason);
+      if (const auto reason = why_no_answer(run, request_.solver_end.has_value()))
+        refuse_answer(request_.stack, *reason);
     return;
   }
   const auto reason = why_walks_are_better(solved_, request_);
   // A stopped walk would keep less than a solution with wide bounds does, but not less than none.
-  if (reason && (!is_stopped() || std::any_of(solved_.begin(), solved_.end(), [](const auto& run) {
-        return why_no_answer(run).has_value();
+  if (reason &&
+      (!is_stopped() || std::any_of(solved_.begin(), solved_.end(), [this](const auto& run) {
+        return why_no_answer(run, request_.solver_end.has_value()).has_value();
       }))) {
     choice_ = EstimatorChoice{of_walks_, *reason, nullptr};
     solved_.clear();

@@ -1,6 +1,11 @@
 """Published figures that need no explicit geometry, at a tiny size."""
 
+import os
+import unittest
+
 from lamella_program import WITH_CAIRO, ProgramTest
+
+in_soak = unittest.skipUnless("LAMELLA_SOAK" in os.environ, "a minute and more of solver: in the soak")
 
 
 class FiguresOfSurfaces(ProgramTest):
@@ -28,6 +33,7 @@ class FiguresOfSurfaces(ProgramTest):
                     self.assertLess(row["relative_rmse"], 0.5)
                     self.assertGreater(row["relative_rmse"], 1e-4)
 
+    @in_soak
     def test_sheen_of_facets_and_fibers(self):
         rows = self.reproduce("spongecake_figure_16")
         self.assertEqual([row["roughness"] for row in rows], [0.1, 0.2, 0.4, 0.7, 1.0])
@@ -36,6 +42,7 @@ class FiguresOfSurfaces(ProgramTest):
             self.assertGreater(row["all_orders"]["luminance"], 0.99 * row["fibers"]["luminance"])
             self.assertGreater(row["fibers"]["rim"], 0.99 * row["fibers"]["luminance"])
 
+    @in_soak
     def test_coats_over_flakes(self):
         rows = self.reproduce("vmf_figure_9", "--walks", "128")
         by_form = {(r["roughness"], r["picture"]): r["difference"]["relative_rmse"] for r in rows}

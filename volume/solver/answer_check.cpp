@@ -67,9 +67,10 @@ std::optional<std::string> why_no_answer(const DeterministicAccuracy& accuracy) 
                      accuracy.nodes, accuracy.modes);
 }
 
-std::optional<std::string> why_no_answer(const RunResult& run) {
-  const bool is_cut = run.accuracy && (run.accuracy->limit == DeterministicLimit::time ||
-                                       run.accuracy->limit == DeterministicLimit::interrupted);
+std::optional<std::string> why_no_answer(const RunResult& run, bool repeats) {
+  const bool is_cut =
+      repeats || (run.accuracy && (run.accuracy->limit == DeterministicLimit::time ||
+                                   run.accuracy->limit == DeterministicLimit::interrupted));
   if (auto reason = why_no_side("reflected energy", run.reflected, run.channels, is_cut))
     return reason;
   if (auto reason = why_no_side("transmitted energy", run.transmitted, run.channels, is_cut))
