@@ -105,7 +105,7 @@ std::pair<int, int> scan(const DeterministicOptions& options, const std::vector<
 
 TEST(SolverAnswer, IsFiniteAndPhysicalOrThereIsNone) {
   const DeterministicOptions options{
-      .tolerance = 1e-3, .max_nodes = 12, .max_modes = 24, .max_seconds = 5};
+      .tolerance = 1e-3, .max_nodes = 12, .max_modes = 12, .max_seconds = 5};
   const auto [answers, all] = scan(options, {1e-9, 1, 1e9, kInfinity});
   // With so few nodes the narrowest media have none.
   EXPECT_GE(answers, all * 3 / 4);
