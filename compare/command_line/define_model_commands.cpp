@@ -27,9 +27,9 @@ void define_eval(CommandLine& line) {
 }
 
 void define_accuracy(CommandLine& line) {
-  CLI::App& command = line.add(
-      "accuracy", "How far every closed form is from the truth, as a Markdown table",
-      "lamella accuracy --quick --tolerance 1e-3", [&] { return accuracy_command(line.options); });
+  CLI::App& command =
+      line.add("accuracy", "How far every closed form is from the truth, as a Markdown table",
+               "lamella accuracy --coats --quick", [&] { return accuracy_command(line.options); });
   add_tolerance(command, line);
   command.add_flag("--quick", line.options.quick, "One stack of each family");
   command.add_flag("--coats", line.options.coats,
