@@ -29,7 +29,7 @@ demo: release
 
 test: install-test-packages release
 	ctest --preset release
-	cmake --preset asan $(LAUNCHER) -DLAMELLA_ISAS=avx2 -DLAMELLA_OPENVDB=OFF
+	cmake --preset asan $(LAUNCHER)
 	cmake --build build/asan --target test_phase_stack test_phase_random test_phase_medium stack_fuzz
 	ctest --test-dir build/asan --output-on-failure -j2 -R '(^|/)($(SANITIZED))'
 
@@ -41,7 +41,7 @@ account: release
 	python3 tests/structure/loop_account.py build/release/lamella
 
 asan: install-test-packages
-	cmake --preset asan $(LAUNCHER) "-DLAMELLA_ISAS=sse4;avx2;avx512" -DLAMELLA_OPENVDB=ON
+	cmake --preset asan $(LAUNCHER)
 	cmake --build --preset asan
 	ctest --preset asan
 

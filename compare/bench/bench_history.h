@@ -36,7 +36,7 @@ struct BenchChange {
 };
 
 /// Row by row, in the order of `now`, then what only `before` has. The noise of a ratio is the sum
-/// of both spreads, and at least that of one row without rounds, 5 %.
+/// of both spreads, and at least 5 %.
 [[nodiscard]] std::vector<BenchChange> changes_between(const nlohmann::ordered_json& before,
                                                        const nlohmann::ordered_json& now);
 

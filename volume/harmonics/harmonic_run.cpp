@@ -102,13 +102,14 @@ class Refinement {
   void solve_level(int degree, const std::atomic<bool>* stop) {
     Level next{degree, {}};
     for (const int channel : channels_) {
-      const HarmonicTransport transport(stack_, channel,
-                                        {.degree = degree,
-                                         .depth_nodes = std::min(9, 6 + static_cast<int>(levels_)),
-                                         .finest = std::min(1e-4, lowest_ / 4),
-                                         .residual = std::clamp(options_.tolerance / 100, 1e-12, 1e-8),
-                                         .isa = options_.isa,
-                                         .stop = stop});
+      const HarmonicTransport transport(
+          stack_, channel,
+          {.degree = degree,
+           .depth_nodes = std::min(9, 6 + static_cast<int>(levels_)),
+           .finest = std::min(1e-4, lowest_ / 4),
+           .residual = std::clamp(options_.tolerance / 100, 1e-12, 1e-8),
+           .isa = options_.isa,
+           .stop = stop});
       next.answers.emplace_back();
       for (const Direction wi : incident_) {
         if (options_.report)
