@@ -72,11 +72,47 @@ void measure_coat(const Coat& coat, const BenchmarkEffort& effort, std::uint64_t
   report(std::move(row));
 }
 
+// Next-event estimation in cells, against the scalar double kernel of the same estimator by time x
+// variance: sets of ways out are shared by more walks on lanes.
+void measure_next_event(const Coat& coat, const BenchmarkEffort& effort, std::uint64_t seed,
+                        const ReportRow& report) {
+  const Stack stack = stack_of(coat);
+  Plan plan = make_plan(stack, {.max_order = kMaxOrder, .thinning = Thinning{}});
+  const auto run_on = [&](Isa isa) {
+    plan.isa = isa;
+    return Simulation(stack, plan, benchmark_incident(), Estimator::next_event, CellGrid{}, seed);
+  };
+  Simulation lanes = run_on(effort.isa), scalar = run_on(Isa::scalar);
+  const auto more = [](Simulation& s) {
+    return [&s](std::uint64_t n) { s.advance(s.walks() + n); };
+  };
+  const std::uint64_t walks = calibrate(effort.repetition_seconds, more(lanes));
+  const std::uint64_t scalar_walks = calibrate(effort.repetition_seconds, more(scalar));
+  const InterleavedTimes times = interleave(
+      effort.repetitions, [&] { more(lanes)(walks); }, [&] { more(scalar)(scalar_walks); });
+  const int cells = lanes.targets().grid.cells();
+  const auto relative_variance = [cells](const Simulation& s) {
+    const double error = mean_target_error(s, cells);
+    return error * error * static_cast<double>(s.walks());
+  };
+  BenchmarkRow row{.what = std::string(coat.name) + "/next-event/cells", .kind = "walk"};
+  row.seconds = times.total_first();
+  row.error = mean_target_error(lanes, cells);
+  row.baseline = "scalar double kernel, next-event estimation; time x variance";
+  row.ratio_to_baseline = times.median_ratio() * static_cast<double>(walks) /
+                          static_cast<double>(scalar_walks) * relative_variance(scalar) /
+                          relative_variance(lanes);
+  row.extra = {{"walks", lanes.walks()}, {"isa", to_text(lanes.isa())}};
+  report(std::move(row));
+}
+
 }  // namespace
 
 void measure_coats(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
   tbb::task_arena one(1);
   for (const Coat& coat : kCoats) one.execute([&] { measure_coat(coat, effort, seed, report); });
+  for (const Coat& coat : kCoats)
+    one.execute([&] { measure_next_event(coat, effort, seed, report); });
 }
 
 }  // namespace lamella

@@ -6,6 +6,14 @@
 
 namespace lamella::LAMELLA_ISA {
 
+/// Whether walks that leave are counted in cells: through interfaces next-event estimation counts
+/// those that no event has sent.
+template <bool kBounded>
+[[nodiscard]] LAMELLA_INLINE bool counts_in_cells(const LaneWalkTask& t) {
+  return t.estimate == LaneEstimate::cells_counted ||
+         (kBounded && t.estimate == LaneEstimate::cells_next_event);
+}
+
 /// Walks that ended, until there are enough of them to count them at a stretch. kIndex: each in the
 /// sums of the batch that its index tells. kBounded: of stacks with interfaces.
 template <int C, bool kIndex, bool kBounded>
@@ -35,7 +43,7 @@ struct EndedWalks {
   [[gnu::noinline]] void count_all(const LaneWalkTask& t) {
     told += static_cast<std::uint64_t>(size);
     const bool thins = t.walk.thinned_from > 0;
-    const bool cells = t.estimate == LaneEstimate::cells_counted;
+    const bool cells = counts_in_cells<kBounded>(t);
     const bool weighs = t.weighs();
     const int nowhere = kSlots * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
     Floats spoiled(0);  // or not a number
@@ -99,7 +107,7 @@ struct EndedWalks {
   template <class SumsOf>
   LAMELLA_INLINE void count(const LaneWalkTask& t, const SumsOf& sums_of) {
     const bool thins = t.walk.thinned_from > 0;
-    const bool cells = t.estimate == LaneEstimate::cells_counted;
+    const bool cells = counts_in_cells<kBounded>(t);
     const bool weighs = t.weighs();
     const int nowhere = kSlots * t.cells.rows * t.cells.columns * (t.cells.both_sides ? 2 : 1);
     // A walk in a cell is counted nowhere else.
@@ -148,6 +156,8 @@ struct EndedWalks {
     WordMask left = of.end < Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed
                                                                                  : WalkEnd::down));
     if constexpr (!kBounded) left = left & (of.order > Words(0u));
+    // What events sent out is in the sums already.
+    if (t.estimate != LaneEstimate::cells_counted) left = left & equal(of.order, Words(0u));
     const int cells = t.cells.rows * t.cells.columns;
     const Words below = select(down, Words(cells), Words(0u));
     Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);

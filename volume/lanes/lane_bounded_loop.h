@@ -291,10 +291,9 @@ struct QueuedWalks {
       BoundedStep step;
       BoundaryEnds<Floats> now[kSets];
       bool found = false;
+      for (int k = 0; k < kSets; ++k) step.flights[k].flies = step.lanes[k] = none;
       for (int k = 0; k < kSets; ++k) {
         State& w = packets[k].state;
-        step.flights[k].flies = step.lanes[k] = none;
-        step.count[k] = 0;
         if (pool.to - pool.from < kLanes) pool.fill(t, s.set);
         const int fresh = pool.to - pool.from;
         if (waiting.size >= kLanes ||

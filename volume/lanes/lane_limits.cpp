@@ -8,6 +8,7 @@
 #include "volume/lanes/lane_marginals.h"
 #include "volume/lanes/lane_run.h"
 #include "volume/lanes/lane_setting.h"
+#include "volume/lanes/lane_ways.h"
 #include "volume/plan/plan.h"
 
 namespace lamella {
@@ -149,10 +150,14 @@ double largest_inverse_mu(const CellGrid& grid) {
 }
 
 // Terms rounded to 2^-26 move f by less than 1e-6 still: a test holds it.
+constexpr int kCoarsestWays = 8;
 bool is_too_narrow(const Plan& plan, int bits) { return bits > (plan.thinning.is_on() ? 6 : 0); }
 
 }  // namespace
 
+int coarser_bits_along_ways(const Stack& stack, const Plan& plan) {
+  return bits_beyond(stack, plan, largest_way(stack, plan));
+}
 int coarser_bits_at_points(const Stack& stack, const Plan& plan) {
   return bits_beyond(stack, plan, 1);
 }
@@ -164,7 +169,15 @@ std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan
                                             const std::vector<Direction>& points) {
   if (auto reason = why_not_lanes(stack, plan)) return reason;
   if (points.empty()) return std::nullopt;
-  if (plan.boundaries) return "next-event estimation at points through interfaces runs in double";
+  if (plan.boundaries) {
+    if (coarser_bits_along_ways(stack, plan) > kCoarsestWays)
+      return "next-event estimation through interfaces: the phase function is too narrow for fixed "
+             "point";
+    for (const Direction wo : points)
+      if (std::abs(wo.z) < kMostGrazingPoint || grazes_inside(stack, plan, wo))
+        return "a point this close to grazing, outside or in a layer, asks for double";
+    return std::nullopt;
+  }
   if (is_too_narrow(plan, coarser_bits_at_points(stack, plan)))
     return "the phase function is too narrow for fixed point";
   for (const Direction wo : points)
@@ -175,7 +188,12 @@ std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan
 std::optional<std::string> why_not_lanes_in_cells(const Stack& stack, const Plan& plan,
                                                   const CellGrid& grid) {
   if (auto reason = why_not_lanes(stack, plan)) return reason;
-  if (plan.boundaries) return "next-event estimation in cells through interfaces runs in double";
+  if (plan.boundaries) {
+    if (coarser_bits_along_ways(stack, plan) > kCoarsestWays)
+      return "next-event estimation through interfaces: the phase function is too narrow for fixed "
+             "point";
+    return std::nullopt;
+  }
   if (is_too_narrow(plan, coarser_bits_in_cells(stack, plan, grid)))
     return "next-event estimation in cells: the phase function is too narrow for fixed point";
   return std::nullopt;

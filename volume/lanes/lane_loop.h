@@ -131,7 +131,7 @@ LAMELLA_INLINE void note_ends(const LoopSetting<C, Set, Score>& s, const State& 
   if constexpr (Score::kUsesIndex)
     if (s.task.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
   store_compressed(w.wi.z, tells, ended.z + at);
-  if (s.task.estimate == LaneEstimate::cells_counted) {
+  if (counts_in_cells<Set::kBounded>(s.task)) {
     store_compressed(w.wi.x, tells, ended.x + at);
     store_compressed(w.wi.y, tells, ended.y + at);
   }

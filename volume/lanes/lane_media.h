@@ -349,7 +349,10 @@ struct SubstrateOnLanes {
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
                                           const WordsOf<Real>* words) const {
-    return {next_by_lambert(e.normal, words + 1), Real(1)};
+    // Upwards where float lets the two cancel, too: what it meets next may be an interface.
+    const Vec3<Real> p = sphere_point_of<Real>(words + 1);
+    const Vec3<Real> v{p.x, p.y, max(e.normal.z + p.z, Real(1e-12))};
+    return {-reciprocal_sqrt(dot(v, v)) * v, Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_flake_density(e, wo);

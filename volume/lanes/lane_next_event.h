@@ -125,7 +125,7 @@ struct NextEventOnLanes {
       many(all, medium, event, w, counts);
   }
 
- private:
+ protected:
   [[gnu::noinline]] void empty_few() const {
     for (int j = 0; j < t.points.count && j < kFew; ++j)
       for (int slot = 0; slot < static_cast<int>(kRouletteOrder); ++slot)
@@ -290,8 +290,10 @@ struct NextEventOnLanes {
     /// Adds density times `attenuation` towards w_o to the sums, a stride apart for channels.
     LAMELLA_INLINE void send(Vec3<Floats> wo, Floats attenuation, std::int64_t* place,
                              int stride) const {
+      give(wo, medium.density(event, wo) * attenuation, place, stride);
+    }
+    LAMELLA_INLINE void give(Vec3<Floats> wo, Floats value, std::int64_t* place, int stride) const {
       const LaneWalkTask& task = to.t;
-      Floats value = medium.density(event, wo) * attenuation;
       if (!task.weighs()) {
         if (task.walk.thinned_from > 0) value = value * share[0];
         return FixedPoint(value).add_to(place);

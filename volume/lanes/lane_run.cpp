@@ -15,6 +15,22 @@ static_assert(kRouletteOrder == kTallyOrders);
 
 std::size_t padded(std::size_t count) { return (count + 15) / 16 * 16; }
 
+// How many sets of ways a batch holds at a time: few fit into the caches, but at the end of every
+// task lanes fall idle.
+std::uint64_t sets_per_task(int targets, std::size_t batches) {
+  const std::uint64_t room = (1 << 17) / (static_cast<std::uint64_t>(targets) * batches);
+  return std::clamp<std::uint64_t>(room, 16, 256);
+}
+
+// f of order 0 in whole numbers, so that sums do not depend on how walks are dealt out: multiples
+// of 2^-6 and what remains in multiples of 2^-40.
+struct ZeroTerm {
+  std::int64_t coarse, fine;
+  explicit ZeroTerm(double f)
+      : coarse(std::llround(f * 0x1p6)),
+        fine(std::llround((f - static_cast<double>(coarse) * 0x1p-6) * 0x1p40)) {}
+};
+
 }  // namespace
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
@@ -84,6 +100,15 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
     return;
   }
   task_.estimate = LaneEstimate::cells_next_event;
+  if (bounded_) {
+    task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_along_ways(stack, plan)));
+    ways_.emplace(stack, plan, seed, batches, cells_);
+    aim_along_ways(plan.isa);
+    for (Counts& c : counts_)
+      c.cells.resize(static_cast<std::size_t>(slots()) * task_.channels * cells.count() +
+                     c.ends.size());
+    return;
+  }
   task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_in_cells(stack, plan, grid)));
   const std::size_t columns = padded(grid.columns()), rows = padded(grid.rows());
   to.padded_columns = static_cast<int>(columns);
@@ -105,9 +130,60 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
     : LaneRun(stack, plan, incident, seed, batches) {
   if (points.empty()) return;
   task_.estimate = LaneEstimate::points;
+  if (bounded_) {
+    task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_along_ways(stack, plan)));
+    ways_.emplace(stack, plan, incident, seed, batches, points);
+    aim_along_ways(plan.isa);
+    for (Counts& c : counts_) {
+      c.zero_coarse.resize(points.size());
+      c.zero_fine.resize(points.size());
+    }
+    return;
+  }
   task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_at_points(stack, plan)));
   trace(stack, points);
   for (Counts& c : counts_) c.targets.resize(kOrders * task_.channels * padded(points.size()));
+}
+
+void LaneRun::aim_along_ways(Isa isa) {
+  task_.weights = true;
+  task_.end_weight = nullptr;
+  task_.event_weight = nullptr;
+  walk_ = aim_bounded_lanes_for(isa);
+  task_.same_ways = !ways_->is_random();
+  task_.way_targets = static_cast<int>(padded(ways_->targets()));
+  task_.way_places = ways_->places();
+  inverse_mu_.assign(ways_->targets(), 1);
+  if (!ways_->is_random()) common_ways_ = ways_->set(0, 0);
+  for (Counts& c : counts_) {
+    c.weights.resize(c.ends.size() * task_.channels);
+    c.targets.resize(static_cast<std::size_t>(kOrders) * task_.channels * task_.way_targets);
+  }
+}
+
+LaneRun::Ways LaneRun::ways_of(int batch, std::uint64_t from, std::uint64_t walks) {
+  Counts& counts = counts_[batch];
+  const auto add_zero = [&](const WayTables::Set& set, std::uint64_t count) {
+    for (std::size_t j = 0; j < counts.zero_fine.size(); ++j) {
+      const ZeroTerm term(set.zero[j]);
+      counts.zero_coarse[j] += static_cast<std::int64_t>(count) * term.coarse;
+      counts.zero_fine[j] += static_cast<std::int64_t>(count) * term.fine;
+    }
+  };
+  Ways ways;
+  if (common_ways_) {
+    add_zero(*common_ways_, walks);
+    return ways;
+  }
+  for (std::uint64_t at = from; at < from + walks;) {
+    const std::uint64_t k = at / WayTables::kWalksPerSet;
+    const std::uint64_t end = std::min(from + walks, (k + 1) * WayTables::kWalksPerSet);
+    ways.sets.push_back(ways_->set(batch, k));
+    ways.tables.push_back(ways.sets.back().ways);
+    add_zero(ways.sets.back(), end - at);
+    at = end;
+  }
+  return ways;
 }
 
 void LaneRun::trace(const Stack& stack, const std::vector<Direction>& points) {
@@ -168,6 +244,7 @@ std::optional<std::uint64_t> LaneRun::first_not_finite(LaneWalkTask task, LaneBa
     half.walks = batch.walks / 2;
     if (is_finite(half)) {
       batch.index_low += half.walks * task.index_stride;
+      batch.walks_before += half.walks;
       half.walks = batch.walks - half.walks;
     }
     batch.walks = half.walks;
@@ -188,14 +265,21 @@ void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> 
   for (;;) {
     // As far as the upper half of the index stays.
     std::vector<LaneBatch> batches;
+    std::vector<Ways> ways(left.size());
     for (std::size_t k = 0; k < left.size(); ++k) {
       const std::uint64_t index = left[k].from * stride + static_cast<std::uint64_t>(first) + k;
       const std::uint64_t low = index & 0xFFFFFFFFu;
-      const std::uint64_t here =
-          std::min(left[k].to - left[k].from, (0xFFFFFFFFu - low) / stride + 1);
+      std::uint64_t here = std::min(left[k].to - left[k].from, (0xFFFFFFFFu - low) / stride + 1);
+      const std::uint64_t before = left[k].from % WayTables::kWalksPerSet;
+      if (ways_) {
+        const std::uint64_t most = sets_per_task(ways_->targets(), left.size());
+        here = std::min(here, most * WayTables::kWalksPerSet - before);
+        ways[k] = ways_of(first + static_cast<int>(k), left[k].from, here);
+      }
       task.index_high = static_cast<std::uint32_t>(index >> 32);
-      batches.push_back(
-          {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(here), &sums[k]});
+      batches.push_back({static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(here),
+                         &sums[k], common_ways_ ? &common_ways_->ways : ways[k].tables.data(),
+                         static_cast<std::uint32_t>(before)});
       left[k].from += here;
     }
     if (std::all_of(batches.begin(), batches.end(),
@@ -319,9 +403,11 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
     return chance / (kPointUnits * static_cast<double>(task_.term_scale)) *
            (task_.weighs() ? 1 : setting_.weight_after(0, slot) * setting_.albedo[0]);
   };
-  const bool points = task_.estimate == LaneEstimate::points;
-  const std::size_t columns = points ? task_.points.padded : task_.cells.padded_columns;
-  const std::size_t used = points ? task_.points.count : task_.cells.columns;
+  const bool points = task_.estimate == LaneEstimate::points || ways_;
+  const std::size_t columns = ways_    ? task_.way_targets
+                              : points ? task_.points.padded
+                                       : task_.cells.padded_columns;
+  const std::size_t used = points ? inverse_mu_.size() : task_.cells.columns;
   const std::size_t rows = points ? 1 : task_.cells.rows * (task_.cells.both_sides ? 2 : 1);
   for (int slot = 0; slot < kOrders; ++slot) {
     const double scale = factor(slot);
@@ -334,6 +420,22 @@ void LaneRun::to_tally(const Counts& counts, BatchTally& tally) const {
               static_cast<double>(counts.targets[(plane * rows + r) * columns + j]);
         }
   }
+  if (ways_) zero_to_tally(counts, tally);
+}
+
+void LaneRun::zero_to_tally(const Counts& counts, BatchTally& tally) const {
+  const std::size_t targets = inverse_mu_.size();
+  const double scale = setting_.chance / cells_.grid.projected_solid_angle() / kPointUnits;
+  for (int c = 0; c < task_.channels; ++c)
+    for (std::size_t j = 0; j < targets; ++j)
+      tally.f[(static_cast<std::size_t>(kZeroSlot) * task_.channels + c) * targets + j] =
+          task_.estimate == LaneEstimate::points
+              ? static_cast<double>(counts.zero_coarse[j]) * 0x1p-6 +
+                    static_cast<double>(counts.zero_fine[j]) * 0x1p-40
+              : scale *
+                    static_cast<double>(
+                        counts.cells[static_cast<std::size_t>(c * slots() + kZeroSlot) * targets +
+                                     j]);
 }
 
 std::string LaneRun::save(int batch) const {
@@ -345,6 +447,8 @@ std::string LaneRun::save(int batch) const {
   out.put_all(std::span<const std::int64_t>(c.weights));
   out.put_all(std::span<const std::int64_t>(c.cells));
   out.put_all(std::span<const std::int64_t>(c.targets.data(), c.targets.size()));
+  out.put_all(std::span<const std::int64_t>(c.zero_coarse));
+  out.put_all(std::span<const std::int64_t>(c.zero_fine));
   return out.take();
 }
 
@@ -357,6 +461,8 @@ void LaneRun::restore(int batch, std::string_view bytes) {
   in.fill(std::span<std::int64_t>(c.weights));
   in.fill(std::span<std::int64_t>(c.cells));
   in.fill(std::span<std::int64_t>(c.targets.data(), c.targets.size()));
+  in.fill(std::span<std::int64_t>(c.zero_coarse));
+  in.fill(std::span<std::int64_t>(c.zero_fine));
   in.end();
 }
 

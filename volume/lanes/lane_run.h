@@ -10,6 +10,7 @@
 
 #include "volume/lanes/lane_setting.h"
 #include "volume/lanes/lane_task.h"
+#include "volume/lanes/lane_ways.h"
 #include "volume/plan/plan.h"
 #include "volume/result/estimator.h"
 #include "volume/result/tally.h"
@@ -31,6 +32,8 @@ namespace lamella {
 /// rounded more coarsely than to 1 / kPointUnits, so that fixed point holds the largest.
 [[nodiscard]] int coarser_bits_at_points(const Stack& stack, const Plan& plan);
 [[nodiscard]] int coarser_bits_in_cells(const Stack& stack, const Plan& plan, const CellGrid& grid);
+/// Through interfaces, to points or cells.
+[[nodiscard]] int coarser_bits_along_ways(const Stack& stack, const Plan& plan);
 
 /// The walks of one incident direction on lanes. Everything is counted in whole numbers, or in
 /// fixed point, so that a batch's tally does not depend on how its walks were dealt out.
@@ -69,6 +72,7 @@ class LaneRun {
     std::vector<std::uint64_t> ends;
     std::vector<std::int64_t> weights, cells;
     Aligned<std::int64_t> targets;
+    std::vector<std::int64_t> zero_coarse, zero_fine;  ///< per point: ZeroTerm
     Aligned<float> scratch;
     std::uint64_t lane_steps = 0, busy = 0, events = 0, reflections = 0, meetings = 0;
     [[nodiscard]] LaneSums sums() {
@@ -84,9 +88,19 @@ class LaneRun {
   LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
           int batches);
   void trace(const Stack& stack, const std::vector<Direction>& points);
+  /// Next-event estimation through interfaces, by `ways_`.
+  void aim_along_ways(Isa isa);
+  struct Ways {
+    std::vector<WayTables::Set> sets;
+    std::vector<LaneWays> tables;  ///< theirs
+  };
+  /// The ways that walks of a batch take; counts what order 0 sends to points. None where all walks
+  /// take the same.
+  Ways ways_of(int batch, std::uint64_t from, std::uint64_t walks);
   /// Walks by end and order, those that cells count among them.
   [[nodiscard]] std::vector<std::uint64_t> all_ends(const Counts& counts) const;
   void to_tally(const Counts& counts, BatchTally& tally) const;
+  void zero_to_tally(const Counts& counts, BatchTally& tally) const;
   void energies_to_tally(const Counts& counts, BatchTally& tally) const;
   /// What walks of one channel count by their order, for stacks of one albedo in colour.
   void tabulate_weights(int channel);
@@ -103,6 +117,8 @@ class LaneRun {
   Direction incident_;
   CellTargets cells_;
   std::vector<double> inverse_mu_;  // per point
+  std::optional<WayTables> ways_;
+  std::optional<WayTables::Set> common_ways_;  ///< where no way is random
   Aligned<float> point_x_, point_y_, point_z_, rate_, beyond_, rate_by_point_, beyond_by_point_;
   Aligned<float> column_cos_, column_sin_;
   std::vector<float> event_weight_;

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "phase/lanes/isa.h"
-#include "volume/lanes/lane_step.h"
+#include "volume/lanes/lane_way_block.h"
 
 namespace lamella {
 
@@ -71,6 +71,10 @@ struct LaneSums {
 struct LaneBatch {
   std::uint32_t index_low = 0, walks = 0;
   LaneSums* sums = nullptr;
+  /// Next event through interfaces: the ways that the first walk takes, and behind them those of
+  /// later ones; how many walks lie before the first that share its ways.
+  const LaneWays* ways = nullptr;
+  std::uint32_t walks_before = 0;
 };
 
 /// Walks of one batch, or of neighbouring batches: while the longest walks of one go on, walks of
@@ -92,6 +96,11 @@ struct LaneWalkTask {
   std::uint32_t order_cap = 0;
   /// Of thinned walks: what next-event terms are scaled by, a power of two.
   float term_scale = 1;
+  /// Next event through interfaces, at points and in cells: whether all walks take the same ways;
+  /// padded number of targets.
+  bool same_ways = false;
+  int way_targets = 0;
+  LaneWayPlaces way_places;
   std::uint32_t index_high = 0, index_stride = 0;
   /// Of several batches the number is the index modulo the stride, a power of two, less that of the
   /// first. Steps and events count in the first one's sums.
@@ -107,5 +116,6 @@ struct LaneWalkTask {
 LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_bounded_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, aim_bounded_lanes, (const LaneWalkTask& task))
 
 }  // namespace lamella
