@@ -4,6 +4,7 @@
 
 #include "analytic/facets/cosine_table.h"
 #include "analytic/facets/facet_integral.h"
+#include "analytic/facets/facet_lanes.h"
 #include "analytic/model/parameter_infos.h"
 #include "phase/interface/dielectric.h"
 #include "phase/math/sampling.h"
@@ -64,10 +65,38 @@ class FacetLoss {
   CosineTable table_;
 };
 
+/// Single scattering of all pairs on lanes, and the pairs that ask for double by `single`.
+template <class Single>
+void evaluate_facets(const FacetFormula& formula, int channels,
+                     std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa,
+                     const Single& single) {
+  static_assert(sizeof(DirectionPair) == 6 * sizeof(double) && sizeof(Rgb) == 3 * sizeof(double));
+  facet_batch_for(isa)(&formula, channels, reinterpret_cast<const double*>(pairs.data()),
+                       reinterpret_cast<double*>(values.data()), pairs.size());
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (std::fmin(std::abs(pairs[k].wi.z), std::abs(pairs[k].wo.z)) < FacetFormula::kLeastCosine)
+      values[k] = single(pairs[k].wi, pairs[k].wo);
+}
+
+FacetFormula formula_of(const Facets& facets, Masking masking) {
+  return {.ggx = facets.shape == FacetShape::ggx,
+          .masking = masking,
+          .alpha_x = facets.alpha_x,
+          .alpha_y = facets.alpha_y};
+}
+
 class ConductorFacets final : public Model {
  public:
   ConductorFacets(const Conductor::Setting& setting, Compensation compensation)
-      : Model(2), law_(setting), compensation_(compensation) {
+      : Model(2),
+        law_(setting),
+        compensation_(compensation),
+        formula_(formula_of(setting.facets, setting.masking)) {
+    formula_.white = setting.white;
+    for (int c = 0; c < 3; ++c) {
+      formula_.eta[c] = setting.eta[c];
+      formula_.k[c] = setting.k[c];
+    }
     if (compensation == Compensation::none) return;
     loss_ = FacetLoss(setting.facets, setting.masking, 0);
     const double lost = loss_.mean();
@@ -80,6 +109,15 @@ class ConductorFacets final : public Model {
       for (int c = 0; c < 3; ++c)
         scale_[c] = mean[c] * mean[c] * (1 - lost) / ((1 - mean[c] * lost) * kPi * lost);
     }
+  }
+
+  using Model::eval;
+  /// On lanes where nothing is compensated for: that takes tables.
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const override {
+    if (isa == Isa::scalar || compensation_ != Compensation::none)
+      return Model::eval(pairs, values, isa);
+    evaluate_facets(formula_, formula_.white ? 1 : 3, pairs, values, isa,
+                    [this](Direction wi, Direction wo) { return eval_lobe(0, wi, wo); });
   }
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
@@ -135,6 +173,7 @@ class ConductorFacets final : public Model {
 
   Conductor law_;
   Compensation compensation_;
+  FacetFormula formula_;
   FacetLoss loss_;
   Rgb scale_;  // kulla_conty: what the losses' product is multiplied by; turquin: F_0
 };
@@ -142,7 +181,11 @@ class ConductorFacets final : public Model {
 class DielectricFacets final : public Model {
  public:
   DielectricFacets(const Dielectric& law, Compensation compensation)
-      : Model(2), law_(law), compensation_(compensation) {
+      : Model(2),
+        law_(law),
+        compensation_(compensation),
+        formula_(formula_of(law.facets, law.masking)) {
+    formula_.ratio = law.below / law.above;
     if (compensation == Compensation::none) return;
     const double n = law.below / law.above;
     for (const bool below : {false, true})
@@ -158,6 +201,15 @@ class DielectricFacets final : public Model {
       side.stays = 1 - std::fmin(1, other / lost) * (1 - mean);
       side.scale = 1 / (kPi * lost);
     }
+  }
+
+  using Model::eval;
+  /// On lanes where nothing is compensated for: that takes tables.
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const override {
+    if (isa == Isa::scalar || compensation_ != Compensation::none)
+      return Model::eval(pairs, values, isa);
+    evaluate_facets(formula_, 1, pairs, values, isa,
+                    [this](Direction wi, Direction wo) { return eval_lobe(0, wi, wo); });
   }
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
@@ -249,6 +301,7 @@ class DielectricFacets final : public Model {
 
   Dielectric law_;
   Compensation compensation_;
+  FacetFormula formula_;
   Side sides_[2];  // above, below
 };
 

@@ -71,13 +71,12 @@ LAMELLA_INLINE void evaluate_step(const Formula& formula, const double* pairs, d
                  select(above, formula.channel(shared, 2), zero), values);
 }
 
-template <int kChannels, class Formula>
-LAMELLA_INLINE void evaluate_all(const Formula& given, const double* pairs, double* values,
+/// step(pairs, values) of kStep pairs, for all of them.
+template <class Step>
+LAMELLA_INLINE void step_by_step(const Step& step, const double* pairs, double* values,
                                  std::size_t count) {
-  const Formula formula = given;  // which the values cannot overwrite
   std::size_t k = 0;
-  for (; k + kStep <= count; k += kStep)
-    evaluate_step<kChannels>(formula, pairs + kPairNumbers * k, values + kValueNumbers * k);
+  for (; k + kStep <= count; k += kStep) step(pairs + kPairNumbers * k, values + kValueNumbers * k);
   if (k == count) return;
   // The rest, filled up with the last pair.
   double padded[kPairNumbers * kStep], results[kValueNumbers * kStep];
@@ -86,9 +85,18 @@ LAMELLA_INLINE void evaluate_all(const Formula& given, const double* pairs, doub
     for (std::size_t n = 0; n < kPairNumbers; ++n)
       padded[kPairNumbers * lane + n] = pairs[kPairNumbers * from + n];
   }
-  evaluate_step<kChannels>(formula, padded, results);
+  step(padded, results);
   for (std::size_t n = 0; n < kValueNumbers * (count - k); ++n)
     values[kValueNumbers * k + n] = results[n];
+}
+
+template <int kChannels, class Formula>
+LAMELLA_INLINE void evaluate_all(const Formula& given, const double* pairs, double* values,
+                                 std::size_t count) {
+  const Formula formula = given;  // which the values cannot overwrite
+  step_by_step([&](const double* from, double* to)
+                   LAMELLA_INLINE_LAMBDA { evaluate_step<kChannels>(formula, from, to); },
+               pairs, values, count);
 }
 
 template <class Formula>

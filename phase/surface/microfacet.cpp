@@ -97,6 +97,7 @@ double Facets::density(Direction m) const {
   if (shape == FacetShape::ggx) return GgxFacets<double>{alpha_x, alpha_y}.density(m);
   if (!(m.z > 0)) return 0;
   const double x = m.x / (alpha_x * m.z), y = m.y / (alpha_y * m.z), z2 = m.z * m.z;
+  if (!(x * x + y * y < 745)) return 0;  // where m.z is far below what squares hold, too
   return std::exp(-x * x - y * y) / (kPi * alpha_x * alpha_y * z2 * z2);
 }
 

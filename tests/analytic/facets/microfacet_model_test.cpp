@@ -33,7 +33,8 @@ TEST(Microfacet, ValuesAreSaneAtEveryEndOfTheParameters) {
                                      {"compensation", word(compensation)},
                                      {"eta", eta},
                                      {"k", k}});
-          testing::expect_sane_values(*model, 2);
+          // facet_batch_test.cpp derives how far batches of facets may be off.
+          testing::expect_sane_values(*model, 2, false, 200);
           const bool turquin = std::string(compensation) == "turquin";
           if (!turquin) testing::expect_reciprocal(*model, 1e-11);
           // Turquin's furnace is the viewer's: of light from grazing directions up to 2.03 leaves.

@@ -22,8 +22,10 @@ inline constexpr double kLaneError = 6e-16;
 
 /// Non-negative and finite values for every pair of probe_directions() but the one that grazes
 /// twice, lobes that add up to eval, batches equal to eval, no transmission.
-/// `negative`: the model's lobes may be negative.
-void expect_sane_values(const Model& model, int lobes, bool negative = false);
+/// `negative`: the model's lobes may be negative. `lane_errors`: how many times lane_error a batch
+/// may be off.
+void expect_sane_values(const Model& model, int lobes, bool negative = false,
+                        double lane_errors = 1);
 
 /// |f(w_i, w_o) - f(w_o, w_i)| <= tolerance * f over probe_directions().
 void expect_reciprocal(const Model& model, double tolerance = 1e-12);
