@@ -48,6 +48,9 @@ int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);
 
+/// What ranks of mpirun cost and bring: processor time per walk, messages, bytes, a model.
+int scaling_command(const Options& options);
+
 /// Options of `library` beside those that all commands share.
 struct LibraryOptions {
   std::string action{};             ///< "build", "verify" or "show"

@@ -66,6 +66,15 @@ void define_merge(CommandLine& line) {
   add_json(command, line);
 }
 
+void add_wi(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--wi", line.options.incident,
+                  "Incident direction THETA[,PHI] in degrees, repeatable (default 0, 30, 60, 80)")
+      ->type_name("THETA[,PHI]")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
 void define_library(CommandLine& line) {
   CLI::App& command = line.add(
       "library", "Reference lobes of many stacks, for the tests of other programs",
@@ -106,6 +115,21 @@ void define_library(CommandLine& line) {
   add_json(command, line);
 }
 
+void define_scaling(CommandLine& line) {
+  CLI::App& command = line.add("scaling", "What a run costs on 1 to 1000 ranks of mpirun",
+                               "lamella scaling vmf_sand --wi 45 --walks 1e9",
+                               [&] { return scaling_command(line.options); });
+  add_stack(command, line);
+  add_wi(command, line);
+  add_walks(command, line, "Walks per incident direction of the run that is asked about");
+  add_estimator(command, line);
+  add_grid(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+}
+
 void define_grid(CommandLine& line) {
   CLI::App& command = line.add("grid", "Makes a density grid; without KIND, what there is",
                                "lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb",
@@ -137,15 +161,6 @@ void add_export_source(CLI::App& command, CommandLine& line, const std::string& 
       ->transform(named("a name or a file"))
       ->required()
       ->type_name(type);
-}
-
-void add_wi(CLI::App& command, CommandLine& line) {
-  command
-      .add_option("--wi", line.options.incident,
-                  "Incident direction THETA[,PHI] in degrees, repeatable (default 0, 30, 60, 80)")
-      ->type_name("THETA[,PHI]")
-      ->take_all()
-      ->allow_extra_args(false);
 }
 
 void define_export(CommandLine& line) {
@@ -217,6 +232,7 @@ void define_file_commands(CommandLine& line) {
   define_export(line);
   define_import(line);
   define_library(line);
+  define_scaling(line);
   define_grid(line);
   define_reproduce(line);
   define_completion(line);

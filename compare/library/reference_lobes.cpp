@@ -19,6 +19,18 @@ namespace {
 constexpr double kLobeShare = 0.6;
 constexpr char kNoAnswer[] = "the solver has no answer";
 
+// Points darker than this share of the brightest do not count in what an entry says of its points.
+constexpr double kDarkPoint = 1e-6;
+// Of f, at more than half of the points: walks do better than bounds above it.
+constexpr double kWideBound = 0.01;
+
+bool has_wide_bounds(const PairTruth& truth) {
+  std::size_t wide = 0;
+  for (std::size_t k = 0; k < truth.f.size(); ++k)
+    wide += truth.error[k].max() > kWideBound * truth.f[k].max();
+  return 2 * wide > truth.f.size();
+}
+
 // Empty where the solver is to be tried.
 std::string why_walks(const ReferenceEffort& effort, const std::optional<std::string>& no_solver) {
   return effort.walks_only ? "asked for" : no_solver.value_or("");
@@ -51,12 +63,16 @@ TruthRequest by_solver(TruthRequest request, double tolerance, double seconds) {
 // The largest relative standard error of an energy above 1e-3.
 double worst_energy_error(const std::vector<RunResult>& runs) {
   double worst = 0;
+  const auto add = [&](const Estimate& energy) {
+    if (energy.value > 1e-3) worst = std::max(worst, energy.standard_error / energy.value);
+  };
   for (const RunResult& run : runs)
     for (const SideResult* side : {&run.reflected, &run.transmitted})
-      for (int c = 0; c < run.channels; ++c)
-        for (const auto& order : side->orders)
-          if (order[c].value > 1e-3)
-            worst = std::max(worst, order[c].standard_error / order[c].value);
+      for (int c = 0; c < run.channels; ++c) {
+        add(side->total[c]);
+        add(side->zero[c]);
+        for (const auto& order : side->orders) add(order[c]);
+      }
   return worst;
 }
 
@@ -126,7 +142,10 @@ PairTruth points_of(const Stack& stack, const ReferenceEffort& effort,
   reason = why_walks(effort, why_not_deterministic(stack));
   if (reason.empty()) {
     try {
-      return truth_of_pairs(by_solver(open, effort.point_tolerance, seconds), pairs, monitor);
+      PairTruth truth =
+          truth_of_pairs(by_solver(open, effort.point_tolerance, seconds), pairs, monitor);
+      if (!has_wide_bounds(truth)) return truth;
+      reason = fmt::format("the solver's bounds are above {} of f at most points", kWideBound);
     } catch (const NoAnswerError&) {
       reason = kNoAnswer;
     }
@@ -185,9 +204,11 @@ std::optional<Reference> find_reference(const Stack& stack, const ReferenceEffor
             .reason = points.is_solved() ? "" : reason,
             .tolerance = points.is_solved() ? effort.point_tolerance : 0,
             .walks = points.fewest_walks};
+  double brightest = 0;
+  for (const Rgb& f : points.f) brightest = std::max(brightest, f.max());
   for (std::size_t k = 0; k < points.f.size(); ++k)
     for (int c = 0; c < channels; ++c)
-      if (points.f[k][c] > 0)
+      if (points.f[k][c] > kDarkPoint * brightest)
         method.error = std::max(method.error, points.error[k][c] / points.f[k][c]);
   return reference;
 }

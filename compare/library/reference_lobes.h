@@ -21,7 +21,7 @@ struct ReferenceMethod {
   double tolerance = 0;  ///< that the solver was asked for; of walks 0
   /// Of lobes by the solver: the bound relative to the mean over the azimuth; by walks: the largest
   /// relative standard error of an energy above 1e-3. Of points: the largest bound or standard
-  /// error relative to f.
+  /// error relative to f, where that is above 1e-6 of the brightest.
   double error = 0;
   std::uint64_t walks = 0;  ///< per direction, the fewest of them; 0 from the solver
 
