@@ -7,7 +7,7 @@ BUILD_PACKAGES := g++ cmake ninja-build pkg-config libboost-dev libtbb-dev libop
 TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jsonschema \
   python3-pytest python3-xarray python3-matplotlib mypy python3-setuptools python3-wheel python3-pip \
   python3-venv \
-  clang libclang-rt-14-dev chromium
+  clang libclang-rt-14-dev chromium libopenmpi-dev openmpi-bin
 # Node.js with npm, wherever it comes from.
 TEST_PACKAGES += $(if $(shell command -v npm),,nodejs npm)
 FORMAT_PACKAGES := clang clang-format clang-tidy
@@ -57,6 +57,7 @@ soak: install-test-packages release
 
 release: install-build-packages
 	cmake --preset release $(LAUNCHER) -DLAMELLA_TESTS=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF) \
+	  -DLAMELLA_MPI=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF) \
 	  -DLAMELLA_TEST_TIMEOUT=$(if $(filter soak,$(MAKECMDGOALS)),14400,)
 	cmake --build --preset release
 

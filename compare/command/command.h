@@ -47,6 +47,22 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
 int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);
+
+/// What ranks of mpirun cost and bring: processor time per walk, messages, bytes, a model.
+int scaling_command(const Options& options);
+
+/// Options of `library` beside those that all commands share.
+struct LibraryOptions {
+  std::string action{};             ///< "build", "verify" or "show"
+  std::string folder{};             ///< empty: kLibraryFolder
+  std::vector<std::string> only{};  ///< names of entries; empty: all
+  std::size_t sample = 3;           ///< entries that verify finds again
+  bool all = false, by_walks = false;
+};
+inline constexpr char kLibraryFolder[] = "lamella-library";
+/// The library of reference lobes: built, verified, shown.
+int library_command(const Options& options, const LibraryOptions& library);
+
 /// Puts the parts of a divided run together. `paths`: of part files.
 int merge_command(const Options& options, const std::vector<std::string>& paths,
                   const std::vector<std::string>& pictures);
@@ -84,10 +100,12 @@ struct ClosedFormOptions {
 /// What `check` does at most.
 struct CheckOptions {
   int configurations = 24;
-  std::uint64_t samples = 20000;  ///< per direction and configuration
+  std::uint64_t samples = 20000;       ///< per direction and configuration
+  std::string library{};               ///< a folder of reference lobes; empty: none
+  std::vector<std::string> entries{};  ///< of it, NAME[,key=value...], that the model stands for
 };
 /// The same with --quick.
-inline constexpr CheckOptions kQuickCheck{5, 4000};
+inline constexpr CheckOptions kQuickCheck{.configurations = 5, .samples = 4000};
 /// Seconds after which `check` begins no further case, unless --time says otherwise.
 inline constexpr double kCheckSeconds = 60;
 /// An answer, and its lines for people.
@@ -95,11 +113,12 @@ struct CheckAnswer {
   CommandAnswer answer;
   std::string text;
 };
-/// The answer to a check of a model, named `request` in it.
+/// The answer to a check of a model, named `request` in it. `further`: checks beside the battery.
 [[nodiscard]] CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
                                        const std::vector<CheckConfiguration>& configurations,
                                        const Options& options, const CheckOptions& checking,
-                                       const RunMonitor& monitor);
+                                       const RunMonitor& monitor,
+                                       const std::vector<CheckLine>& further = {});
 /// The battery of checks of a model. `words`: the model and its key=value arguments.
 int check_command(const Options& options, const CheckOptions& checking,
                   const std::vector<std::string>& words);

@@ -5,6 +5,7 @@
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
 #include "compare/judge/model_configurations.h"
+#include "compare/library/library_check.h"
 #include "compare/options/progress.h"
 #include "compare/report/check_report.h"
 #include "compare/report/json_report.h"
@@ -42,12 +43,30 @@ ModelRequest request_of(const std::vector<std::string>& words) {
   return request;
 }
 
+// A line per entry of the library that the model claims.
+std::vector<CheckLine> library_lines(const ModelRequest& request, const Options& options,
+                                     const CheckOptions& checking, const RunMonitor& monitor) {
+  if (checking.library.empty()) {
+    if (!checking.entries.empty() || options.max_error)
+      throw UsageError("--entry and --max-error: found no --library; allowed: beside it");
+    return {};
+  }
+  const LibraryIndex index = read_index(checking.library);
+  std::vector<CheckLine> lines;
+  for (const LibraryClaim& claim : library_claims(request, index, checking.entries)) {
+    if (monitor.is_stopped()) break;
+    lines.push_back(
+        check_on_entry(claim, checking.library, options.max_error.value_or(kLibraryMaxError)));
+  }
+  return lines;
+}
+
 }  // namespace
 
 CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
                          const std::vector<CheckConfiguration>& configurations,
                          const Options& options, const CheckOptions& checking,
-                         const RunMonitor& monitor) {
+                         const RunMonitor& monitor, const std::vector<CheckLine>& further) {
   const ModelCheckSettings settings{.lobes = static_cast<int>(info.lobes.size()),
                                     .reciprocal = info.reciprocal,
                                     .transmits = info.transmits,
@@ -56,7 +75,8 @@ CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
                                     .seconds = options.seconds.value_or(kCheckSeconds),
                                     .few_angles = options.quick,
                                     .stop = [&] { return monitor.is_stopped(); }};
-  const ModelCheck check = check_model(configurations, settings);
+  ModelCheck check = check_model(configurations, settings);
+  check.lines.insert(check.lines.end(), further.begin(), further.end());
   const std::string refused =
       check.refused ? fmt::format(", {} refused", check.refused) : std::string();
   std::string text =
@@ -87,12 +107,16 @@ int check_command(const Options& options, const CheckOptions& checking,
   const ModelInfo& info = *find_or_load_model(request.name);
   const CheckOptions effort =
       options.quick ? CheckOptions{std::min(kQuickCheck.configurations, checking.configurations),
-                                   std::min(kQuickCheck.samples, checking.samples)}
+                                   std::min(kQuickCheck.samples, checking.samples),
+                                   {},
+                                   {}}
                     : checking;
+  const RunMonitor monitor = terminal_monitor(options);
+  const std::vector<CheckLine> on_library = library_lines(request, options, checking, monitor);
   auto [answer, text] = check_answer(
       info, to_request(request),
       configurations_to_check(info, request, stack, effort.configurations, options.seed), options,
-      effort, terminal_monitor(options));
+      effort, monitor, on_library);
   inputs.check();
   add_files(answer.json, inputs);
   if (!options.quiet) fmt::print(table_stream(options), "{}", text);

@@ -138,9 +138,10 @@ const DividedCommand& compare_divided() {
 
 int compare_command(const Options& options, const std::vector<std::string>& pictures) {
   if (is_measured_file(options.stack)) {
-    if (!options.shard.empty() || !options.checkpoint.empty())
+    if (!options.shard.empty() || !options.checkpoint.empty() || started_ranks())
       throw UsageError(
-          "--shard and --checkpoint: found a measured material, which takes no walks; allowed: a "
+          "--shard, --checkpoint, mpirun: found a measured material, which takes no walks; "
+          "allowed: a "
           "stack");
     return compare_measured_command(options, pictures);
   }

@@ -377,6 +377,9 @@ int eval_command(const Options& options, const std::vector<std::string>& words) 
   if (what != "truth" && !options.shard.empty())
     throw UsageError(
         fmt::format("--shard: found {}, which is no work to divide; allowed: truth", what));
+  if (what != "truth" && started_ranks())
+    throw UsageError(
+        fmt::format("mpirun: found {}, which is no work to divide; allowed: truth", what));
   CsvAnswer answer;
   try {
     if (what == "truth") return eval_truth_command(options, parse_model_words(words).values, pairs);

@@ -13,6 +13,7 @@
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
+#include "compare/ranks/rank_tasks.h"
 #include "compare/report/json_report.h"
 #include "compare/report/report_page.h"
 #include "compare/report/sweep_table.h"
@@ -153,6 +154,19 @@ RunMonitor monitor_of_points(RunMonitor monitor) {
   return monitor;
 }
 
+// The answer of one point as a part or a rank has it, its files named from `folder`.
+std::string found_point(const DividedRun& run, const SweepPoints& sweep, std::size_t k,
+                        const InputFiles& inputs, const fs::path& folder,
+                        const RunMonitor& monitor) {
+  CommandAnswer found =
+      point_answer(run.options,
+                   with_surface_model(parse_stack(sweep.toml(k), fmt::format("--set, point {}", k),
+                                                  SweepPoints::name(k))),
+                   monitor);
+  add_files(found.json, inputs);
+  return named_for(std::move(found.json), folder).dump();
+}
+
 // A part of a sweep: the answers of some points, their files named from where the part will lie.
 void find_points(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
@@ -162,14 +176,9 @@ void find_points(const DividedRun& run, const RunMonitor& monitor) {
   const InputFiles inputs(run.stack);
   for (std::size_t k = 0; k < sweep.count() && !user_interrupt; ++k)
     (void)monitor.keeper->piece([&] {
-      const std::string name = SweepPoints::name(k);
-      CommandAnswer found = point_answer(
-          options,
-          with_surface_model(parse_stack(sweep.toml(k), fmt::format("--set, point {}", k), name)),
-          of_points);
-      add_files(found.json, inputs);
+      std::string found = found_point(run, sweep, k, inputs, folder, of_points);
       if (!options.quiet) fmt::print("{} of {}: {}\n", k + 1, sweep.count(), sweep.values(k));
-      return named_for(std::move(found.json), folder).dump();
+      return found;
     });
 }
 
@@ -181,7 +190,8 @@ Json kept_answer(const std::string& text, const fs::path& from, const fs::path& 
   return named_for(std::move(answer), points, from);
 }
 
-int sweep_run(const DividedRun& run, const RunMonitor& of_run) {
+// `ranks`: that find the points that are not in the folder yet; nullptr: this process does.
+int sweep_among(const DividedRun& run, const RunMonitor& of_run, Ranks* ranks) {
   const Options& options = run.options;
   const TruthRequest request = truth_request(options, run.stack);
   const Stack& stack = request.stack;
@@ -204,16 +214,39 @@ int sweep_run(const DividedRun& run, const RunMonitor& of_run) {
   const SweepPoints written(with_files_relative_to(stack, points), axes);
   std::FILE* out = table_stream(options);
   const RunMonitor monitor = monitor_of_points(of_run);
+  const auto file_of = [&](std::size_t k, const char* ending) {
+    return points / (SweepPoints::name(k) + ending);
+  };
+  const auto tell = [&](std::size_t k, const char* more) {
+    if (!options.quiet) fmt::print(out, "{} of {}: {}{}\n", k + 1, count, sweep.values(k), more);
+  };
+  std::set<std::uint64_t> told;
+  if (ranks) {
+    std::vector<std::uint64_t> missing;
+    for (std::size_t k = 0; k < count; ++k)
+      if (!fs::exists(file_of(k, ".json"))) missing.push_back(k);
+    const SweepPoints here(with_files_relative_to(run.stack, ""), axes);
+    const auto keep = [&](std::uint64_t k, const std::string& found) {
+      write_file(file_of(k, ".toml"), written.toml(k));
+      write_file(file_of(k, ".json"), kept_answer(found, {}, points).dump(2) + "\n");
+      tell(k, "");
+    };
+    told = serve_tasks(
+        *ranks, missing,
+        [&](std::uint64_t k) { return found_point(run, here, k, inputs, {}, monitor); }, keep,
+        of_run.stop);
+    inputs.check();
+  }
   Json list = Json::array();
   int status = kDone;
   std::size_t done = 0;
   for (std::size_t k = 0; k < count && !user_interrupt; ++k) {
-    const fs::path answer_file = points / (SweepPoints::name(k) + ".json");
+    const fs::path answer_file = file_of(k, ".json");
     std::optional<Json> answer = read_json(answer_file);
     const bool was_there = answer.has_value();
     std::optional<std::string> kept;
     if (of_run.keeper) kept = of_run.keeper->piece({});
-    const fs::path stack_file = points / (SweepPoints::name(k) + ".toml");
+    const fs::path stack_file = file_of(k, ".toml");
     if (!was_there) write_file(stack_file, written.toml(k));
     if (!was_there && kept) {
       answer = kept_answer(*kept, run.folder, points);
@@ -231,9 +264,7 @@ int sweep_run(const DividedRun& run, const RunMonitor& of_run) {
     }
     status = std::max(status, point_status(*answer, options));
     ++done;
-    if (!options.quiet)
-      fmt::print(out, "{} of {}: {}{}\n", k + 1, count, sweep.values(k),
-                 was_there ? " (was there)" : "");
+    if (!told.contains(k)) tell(k, was_there ? " (was there)" : "");
     list.push_back({{"at", sweep.at(k)}, {"answer", named_for(std::move(*answer), "", points)}});
   }
   Json result = json_header("sweep", request);
@@ -257,10 +288,26 @@ int sweep_run(const DividedRun& run, const RunMonitor& of_run) {
   return status;
 }
 
+int sweep_run(const DividedRun& run, const RunMonitor& monitor) {
+  return sweep_among(run, monitor, nullptr);
+}
+
+int sweep_by_ranks(const DividedRun& run, const RunMonitor& monitor, Ranks& ranks) {
+  if (ranks.rank() == 0) return sweep_among(run, monitor, &ranks);
+  const SweepPoints sweep(with_files_relative_to(run.stack, ""), axes_of(run.options));
+  const InputFiles inputs(run.stack, objects_among(model_requests(run.options)));
+  const RunMonitor of_points = monitor_of_points(monitor);
+  work_on_tasks(
+      ranks, [&](std::uint64_t k) { return found_point(run, sweep, k, inputs, {}, of_points); },
+      monitor.stop);
+  return kDone;
+}
+
 }  // namespace
 
 const DividedCommand& sweep_divided() {
-  static const DividedCommand command{"sweep", "FOLDER", check_sweep, find_points, sweep_run};
+  static const DividedCommand command{"sweep",     "FOLDER",  check_sweep,
+                                      find_points, sweep_run, sweep_by_ranks};
   return command;
 }
 

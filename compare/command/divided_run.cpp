@@ -32,18 +32,6 @@ constexpr const char* kPartEnding = ".part";
 // What a checkpoint may take in memory: as much as the run's own sums at the finest grid.
 constexpr std::uint64_t kMostCheckpointBytes = std::uint64_t{64} << 30;
 
-// What numbers depend on: equal for all parts of a run.
-Json identity_of(const DividedRun& run, const InputFiles& inputs) {
-  Json settings = settings_json(run.options);
-  settings["stack"] = to_toml(with_bare_names(run.stack));
-  settings["stack_name"] = run.stack.name;
-  settings["words"] = run.words;
-  settings["input"] = content_hash(run.input);
-  settings["files"] = Json::array();
-  for (const Json& file : inputs.json("")) settings["files"].push_back(file["sha256"]);
-  return settings;
-}
-
 Json header_of(const DividedRun& run, const Shard& shard, bool checkpoint, const fs::path& file) {
   const InputFiles inputs(run.stack);
   const fs::path folder = file.parent_path();
@@ -97,39 +85,21 @@ int do_part(const DividedCommand& command, const DividedRun& run, const Shard& s
   if (!options.json.empty() || !options.html.empty())
     throw UsageError("--shard: found --json or --html beside it; allowed: with lamella merge");
   command.check(run);
-  RunMonitor monitor = terminal_monitor(options);
   const FileLock lock(options.output);
   std::optional<FileLock> second;
-  std::optional<Checkpoint> checkpoint;
-  std::map<std::uint64_t, std::string> found;
+  if (!options.checkpoint.empty()) second.emplace(options.checkpoint);
   const Json header = header_of(run, shard, false, options.output);
-  if (!options.checkpoint.empty()) {
-    second.emplace(options.checkpoint);
-    checkpoint = {options.checkpoint, options.checkpoint_every.value_or(kCheckpointSeconds),
-                  header_of(run, shard, true, options.checkpoint)};
-    found = found_in(options.checkpoint, checkpoint->header, options.quiet);
-  }
   const InputFiles inputs(run.stack);
-  PartKeeper keeper(shard, checkpoint, std::move(found), monitor.stop, monitor.warning);
-  monitor.keeper = &keeper;
-  // The solver's answer is whole: the first part has it.
-  const bool idle = options.estimator == to_text(Estimator::deterministic) &&
-                    run.command != "sweep" && shard.index != 1;
-  if (!idle) command.find(run, monitor);
-  if (user_interrupt) {
-    keeper.save();
-    throw UsageError(fmt::format(
-        "interrupted: no part was written{}",
-        checkpoint ? fmt::format("; the same command goes on from {}", options.checkpoint) : ""));
-  }
+  PartWork work =
+      find_part(command, run, shard, options.checkpoint, terminal_monitor(options), options.quiet);
   inputs.check();
-  Part part{header, keeper.pieces()};
+  Part part{header, std::move(work.pieces)};
   if (!run.input.empty()) part.pieces[kInputPiece] = run.input;
   write_part(options.output, part);
-  if (checkpoint) fs::remove(options.checkpoint);
+  if (!options.checkpoint.empty()) fs::remove(options.checkpoint);
   if (!options.quiet)
     fmt::print("wrote {}: part {} of {}{}\n", options.output, shard.index, shard.count,
-               idle ? ", without content: part 1 has the solver's answer" : "");
+               work.idle ? ", without content: part 1 has the solver's answer" : "");
   return kDone;
 }
 
@@ -167,14 +137,51 @@ int do_with_checkpoint(const DividedCommand& command, const DividedRun& run) {
 
 }  // namespace
 
+Json identity_of(const DividedRun& run, const InputFiles& inputs) {
+  Json settings = settings_json(run.options);
+  settings["stack"] = to_toml(with_bare_names(run.stack));
+  settings["stack_name"] = run.stack.name;
+  settings["words"] = run.words;
+  settings["input"] = content_hash(run.input);
+  settings["files"] = Json::array();
+  for (const Json& file : inputs.json("")) settings["files"].push_back(file["sha256"]);
+  return settings;
+}
+
+PartWork find_part(const DividedCommand& command, const DividedRun& run, const Shard& shard,
+                   const std::string& file, RunMonitor monitor, bool quiet) {
+  std::optional<Checkpoint> checkpoint;
+  std::map<std::uint64_t, std::string> found;
+  if (!file.empty()) {
+    checkpoint = {file, run.options.checkpoint_every.value_or(kCheckpointSeconds),
+                  header_of(run, shard, true, file)};
+    found = found_in(file, checkpoint->header, quiet);
+  }
+  PartKeeper keeper(shard, checkpoint, std::move(found), monitor.stop, monitor.warning);
+  monitor.keeper = &keeper;
+  // The solver's answer is whole: the first part has it.
+  const bool idle = run.options.estimator == to_text(Estimator::deterministic) &&
+                    run.command != "sweep" && shard.index != 1;
+  if (!idle) command.find(run, monitor);
+  if (user_interrupt) {
+    keeper.save();
+    throw UsageError(
+        fmt::format("interrupted: no part was written{}",
+                    checkpoint ? fmt::format("; the same command goes on from {}", file) : ""));
+  }
+  return {keeper.pieces(), idle};
+}
+
 int do_divided(const DividedCommand& command, const DividedRun& run) {
   const Options& options = run.options;
+  Ranks* const ranks = started_ranks();
   check_output(command, options, !options.shard.empty());
   if (options.checkpoint_every && options.checkpoint.empty())
     throw UsageError("--checkpoint-every: found no --checkpoint; allowed: beside it");
   if (!options.shard.empty() && options.checkpoint == options.output)
     throw UsageError("--checkpoint: found the file of -o; allowed: one of its own");
   if (!options.checkpoint.empty()) check_output_file(options.checkpoint);
+  if (ranks) return do_by_ranks(command, run, *ranks);
   if (!options.shard.empty())
     return do_part(command, run, shard_from(options.shard, process_environment()));
   if (!options.checkpoint.empty()) return do_with_checkpoint(command, run);

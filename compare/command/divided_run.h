@@ -1,10 +1,15 @@
 #pragma once
 
+#include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "compare/options/options.h"
+#include "compare/ranks/ranks.h"
+#include "compare/report/input_files.h"
 #include "compare/request/run_monitor.h"
+#include "compare/shards/shard.h"
 
 namespace lamella {
 
@@ -30,6 +35,9 @@ struct DividedCommand {
   void (*find)(const DividedRun&, const RunMonitor&);
   /// The whole command. Returns the exit status.
   int (*finish)(const DividedRun&, const RunMonitor&);
+  /// The work of every rank and, on rank 0, the rest of the command, where ranks take turns that
+  /// are not those of parts; else absent. Returns the exit status.
+  int (*by_ranks)(const DividedRun&, const RunMonitor&, Ranks&) = nullptr;
 };
 
 [[nodiscard]] const DividedCommand& simulate_divided();
@@ -41,6 +49,26 @@ struct DividedCommand {
 /// Does the run as its options say: as a whole, or the part that --shard names, with --checkpoint
 /// or without. Returns the exit status.
 int do_divided(const DividedCommand& command, const DividedRun& run);
+
+/// The same by all processes that mpirun started, each of which calls it: ranks find the parts of
+/// the run, rank 0 puts them together in memory and writes. Rank 0 compares first what the others
+/// were asked for. With --checkpoint every rank has a file of its own, FILE.I-of-N. Returns the
+/// exit status on rank 0, and 0 on the others once rank 0 is done.
+int do_by_ranks(const DividedCommand& command, const DividedRun& run, Ranks& ranks);
+
+/// What numbers depend on: equal for all parts of a run.
+[[nodiscard]] nlohmann::ordered_json identity_of(const DividedRun& run, const InputFiles& inputs);
+
+/// The work of one part.
+struct PartWork {
+  std::map<std::uint64_t, std::string> pieces{};
+  bool idle = false;  ///< it had none: the solver's answer is the first part's
+};
+/// Finds a part; `checkpoint`: the file to go on from, empty for none, locked by the caller.
+/// Where the monitor stops it, writes the checkpoint and throws UsageError.
+[[nodiscard]] PartWork find_part(const DividedCommand& command, const DividedRun& run,
+                                 const Shard& shard, const std::string& checkpoint,
+                                 RunMonitor monitor, bool quiet);
 
 /// Throws UsageError where walks that others count beside this part cannot be foreseen: a number
 /// of walks must be given, and neither a time nor an error.

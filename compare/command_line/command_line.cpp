@@ -1,12 +1,15 @@
 #include "compare/command_line/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 
 #include "compare/files/output_folder.h"
+#include "compare/ranks/ranks.h"
 #include "compare/request/errors.h"
 #include "phase/stack/stack_file.h"
 
@@ -57,6 +60,17 @@ std::string in_our_words(const std::string& text) {
   const std::size_t from = at + required.size();
   return fmt::format("{}: found nothing; allowed: {}", text.substr(0, at),
                      text.substr(from, text.size() - from - missing.size()));
+}
+
+// Which commands ranks can share.
+void check_ranks(const std::string& command, const Options& options, bool sweep_parameters) {
+  constexpr std::array kShared{"simulate", "compare", "furnace", "sweep", "eval"};
+  if (std::find(kShared.begin(), kShared.end(), command) == kShared.end() || sweep_parameters)
+    throw UsageError(
+        fmt::format("mpirun: found the command {}{}, which ranks cannot share; allowed: {}",
+                    command, sweep_parameters ? " --sweep" : "", fmt::join(kShared, ", ")));
+  if (options.stack == "-" || options.pairs == "-")
+    throw UsageError("mpirun: found -, stdin, which it gives to one rank; allowed: a file");
 }
 
 }  // namespace
@@ -111,7 +125,12 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
 }
 
 int CommandLine::run() const {
-  const int threads = options.threads ? options.threads : tbb::this_task_arena::max_concurrency();
+  const Ranks* const ranks = started_ranks();
+  if (ranks) check_ranks(app.get_subcommands().front()->get_name(), options, sweep_parameters);
+  // Ranks on one machine share its cores.
+  const int own =
+      std::max(1, tbb::this_task_arena::max_concurrency() / (ranks ? ranks->neighbours() : 1));
+  const int threads = options.threads ? options.threads : own;
   // More threads than cores are allowed: the answer is the same for any number.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));

@@ -66,6 +66,70 @@ void define_merge(CommandLine& line) {
   add_json(command, line);
 }
 
+void add_wi(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--wi", line.options.incident,
+                  "Incident direction THETA[,PHI] in degrees, repeatable (default 0, 30, 60, 80)")
+      ->type_name("THETA[,PHI]")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void define_library(CommandLine& line) {
+  CLI::App& command = line.add(
+      "library", "Reference lobes of many stacks, for the tests of other programs",
+      "lamella library build mine --only isotropic_halfspace && lamella library verify mine",
+      [&] { return library_command(line.options, line.library); });
+  command
+      .add_option("ACTION", line.library.action,
+                  "build: finds what is not there yet; verify: finds some entries again; show")
+      ->transform(one_of({"build", "verify", "show"}))
+      ->required()
+      ->type_name("build|verify|show");
+  command
+      .add_option("FOLDER", line.library.folder,
+                  fmt::format("The library's folder (default ./{})", kLibraryFolder))
+      ->transform(named("a folder"));
+  command.add_option("--only", line.library.only, "These entries alone, with commas between them")
+      ->delimiter(',')
+      ->transform(named("an entry that lamella library show lists"))
+      ->type_name("ENTRY,...");
+  command
+      .add_option("--sample", line.library.sample,
+                  "verify: entries that are found again, drawn with --seed (default 3)")
+      ->transform(whole_number(1, 1000000))
+      ->type_name("N");
+  command.add_flag("--all", line.library.all, "verify: every entry is found again");
+  command.add_flag("--by-walks", line.library.by_walks,
+                   "verify: by walks, whichever method found the entry");
+  command
+      .add_option("--time", line.options.seconds,
+                  "Seconds per entry: of the solver, then of walks (default 120)")
+      ->transform(positive_number())
+      ->type_name("S");
+  add_walks(command, line, "Walks per incident direction, where the solver does not apply",
+            4000000);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+}
+
+void define_scaling(CommandLine& line) {
+  CLI::App& command = line.add("scaling", "What a run costs on 1 to 1000 ranks of mpirun",
+                               "lamella scaling vmf_sand --wi 45 --walks 1e9",
+                               [&] { return scaling_command(line.options); });
+  add_stack(command, line);
+  add_wi(command, line);
+  add_walks(command, line, "Walks per incident direction of the run that is asked about");
+  add_estimator(command, line);
+  add_grid(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+}
+
 void define_grid(CommandLine& line) {
   CLI::App& command = line.add("grid", "Makes a density grid; without KIND, what there is",
                                "lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb",
@@ -97,15 +161,6 @@ void add_export_source(CLI::App& command, CommandLine& line, const std::string& 
       ->transform(named("a name or a file"))
       ->required()
       ->type_name(type);
-}
-
-void add_wi(CLI::App& command, CommandLine& line) {
-  command
-      .add_option("--wi", line.options.incident,
-                  "Incident direction THETA[,PHI] in degrees, repeatable (default 0, 30, 60, 80)")
-      ->type_name("THETA[,PHI]")
-      ->take_all()
-      ->allow_extra_args(false);
 }
 
 void define_export(CommandLine& line) {
@@ -176,6 +231,8 @@ void define_file_commands(CommandLine& line) {
   define_merge(line);
   define_export(line);
   define_import(line);
+  define_library(line);
+  define_scaling(line);
   define_grid(line);
   define_reproduce(line);
   define_completion(line);

@@ -123,6 +123,19 @@ void define_check(CommandLine& line) {
                   "Seconds after which no further case is begun (default 60)")
       ->transform(positive_number())
       ->type_name("S");
+  command
+      .add_option("--library", line.checking.library,
+                  "Folder of lamella library build: also against the entries that the model claims")
+      ->transform(named("a folder of lamella library build"))
+      ->type_name("LIBRARY");
+  command
+      .add_option("--entry", line.checking.entries,
+                  "An entry that the model stands for, with the keys to take there, repeatable")
+      ->transform(named("NAME[,key=value...]"))
+      ->type_name("ENTRY[,key=value...]")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_max_error(command, line);
   add_seed(command, line);
   add_json(command, line);
   add_html(command, line);

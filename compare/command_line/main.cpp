@@ -1,14 +1,28 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 #include "compare/command_line/command_line.h"
 #include "compare/files/output_folder.h"
+#include "compare/ranks/ranks.h"
+#include "compare/request/errors.h"
+#include "compare/request/interrupt.h"
 #include "phase/parameters/one_line.h"
 
 namespace {
+
+using lamella::Ranks;
+
+// Ranks that do not write are silent, but for errors of their own: an error that is rank 0's, too,
+// ends all of them before they would tell it.
+constexpr std::chrono::seconds kRankWaits{3};
+// Until all that were interrupted have kept what they have.
+constexpr std::chrono::milliseconds kInterruptedWaits{900};
 
 int run_program(int argc, char** argv) {
   lamella::CommandLine line;
@@ -19,21 +33,52 @@ int run_program(int argc, char** argv) {
   return status;
 }
 
+int fail(const std::exception& error, int status) {
+  Ranks* const ranks = lamella::started_ranks();
+  const bool tells = !ranks || ranks->rank() == 0;
+  if (!tells) std::this_thread::sleep_for(kRankWaits);
+  // One line, whatever a library or a file's name brought along.
+  fmt::print(stderr, "lamella: {}{}\n", tells ? "" : fmt::format("rank {}: ", ranks->rank()),
+             lamella::one_line(error.what(), 1 << 14));
+  if (ranks) ranks->abort(status);
+  return status;
+}
+
+// An interrupt ends every rank by itself: the others may be gone.
+void leave_if_interrupted(const std::exception* error, int status) {
+  Ranks* const ranks = lamella::user_interrupt ? lamella::started_ranks() : nullptr;
+  if (!ranks) return;
+  if (error && ranks->rank() == 0)
+    fmt::print(stderr, "lamella: {}\n", lamella::one_line(error->what(), 1 << 14));
+  std::fflush(nullptr);
+  std::this_thread::sleep_for(kInterruptedWaits);
+  std::_Exit(status);
+}
+
+int failed(const std::exception& error, int status) {
+  leave_if_interrupted(&error, status);
+  return fail(error, status);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto fail = [](const std::exception& error, int status) {
-    // One line, whatever a library or a file's name brought along.
-    fmt::print(stderr, "lamella: {}\n", lamella::one_line(error.what(), 1 << 14));
-    return status;
-  };
   try {
-    return run_program(argc, argv);
+    try {
+      (void)lamella::started_ranks();
+    } catch (const lamella::UsageError& error) {
+      fmt::print(stderr, "lamella: {}\n", error.what());
+      return lamella::kUsage;
+    }
+    const int status = run_program(argc, argv);
+    leave_if_interrupted(nullptr, status);
+    lamella::finish_ranks();
+    return status;
   } catch (const lamella::NonFiniteError& error) {
-    return fail(error, lamella::kInvalidNumbers);
+    return failed(error, lamella::kInvalidNumbers);
   } catch (const std::domain_error& error) {
-    return fail(error, lamella::kInvalidNumbers);
+    return failed(error, lamella::kInvalidNumbers);
   } catch (const std::exception& error) {
-    return fail(error, lamella::kUsage);
+    return failed(error, lamella::kUsage);
   }
 }

@@ -1,6 +1,7 @@
 #include "compare/exchange/lobe_archive.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -19,21 +20,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "archives are little-endian");
 
-// CRC-32 of ISO 3309, which zip archives have.
-std::uint32_t checksum(const std::string& bytes) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> t{};
-    for (std::uint32_t k = 0; k < 256; ++k) {
-      t[k] = k;
-      for (int bit = 0; bit < 8; ++bit) t[k] = t[k] & 1 ? t[k] >> 1 ^ 0xEDB88320u : t[k] >> 1;
-    }
-    return t;
-  }();
-  std::uint32_t crc = ~0u;
-  for (const char c : bytes) crc = crc >> 8 ^ table[(crc ^ static_cast<unsigned char>(c)) & 255];
-  return ~crc;
-}
-
 void put(std::string& to, std::uint64_t value, int bytes) {
   for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> 8 * k & 255);
 }
@@ -48,7 +34,7 @@ class Archive {
     put(common, 0, 2);     // stored
     put(common, 0, 2);     // no time
     put(common, 0x21, 2);  // 1980-01-01
-    put(common, checksum(bytes), 4);
+    put(common, crc32_of(bytes), 4);
     put(common, bytes.size(), 4);
     put(common, bytes.size(), 4);
     put(common, name.size(), 2);
@@ -107,6 +93,11 @@ std::string text_npy(const std::string& text) {
   return npy(fmt::format("<U{}", std::max<std::size_t>(text.size(), 1)), "()", data);
 }
 
+// As Python writes a tuple.
+std::string shape_text(const std::vector<std::size_t>& shape) {
+  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+}
+
 // [direction][channel][cell] as [direction][cell][channel].
 std::vector<double> channels_last(const LobeSet& set, const std::vector<double>& values) {
   const std::size_t cells = set.grid.cells(), channels = set.channels;
@@ -120,7 +111,21 @@ std::vector<double> channels_last(const LobeSet& set, const std::vector<double>&
 
 }  // namespace
 
-std::string lobe_npz(const LobeSet& set) {
+std::uint32_t crc32_of(const std::string& bytes) {
+  static const auto table = [] {
+    std::array<std::uint32_t, 256> t{};
+    for (std::uint32_t k = 0; k < 256; ++k) {
+      t[k] = k;
+      for (int bit = 0; bit < 8; ++bit) t[k] = t[k] & 1 ? t[k] >> 1 ^ 0xEDB88320u : t[k] >> 1;
+    }
+    return t;
+  }();
+  std::uint32_t crc = ~0u;
+  for (const char c : bytes) crc = crc >> 8 ^ table[(crc ^ static_cast<unsigned char>(c)) & 255];
+  return ~crc;
+}
+
+std::string lobe_npz(const LobeSet& set, const std::vector<NamedArray>& further) {
   Archive archive;
   const std::size_t n = set.directions.size();
   std::vector<double> directions, mu, phi;
@@ -140,6 +145,8 @@ std::string lobe_npz(const LobeSet& set) {
       archive.add(name + ".se.npy",
                   npy("<f8", shape, raw(channels_last(set, block.standard_error))));
   }
+  for (const NamedArray& array : further)
+    archive.add(array.name + ".npy", npy("<f8", shape_text(array.shape), raw(array.values)));
   for (const auto& [key, value] : set.attributes)
     archive.add("attribute." + key + ".npy", text_npy(value));
   return std::move(archive).finish();

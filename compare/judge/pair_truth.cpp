@@ -105,8 +105,11 @@ PairTruth truth_of_pairs(const TruthRequest& request, const std::vector<Directio
     for (const std::string& warning : plan.warnings) monitor.warn(warning);
     const FirstLook look(request, 1);
     truth = truth_at(request.stack, plan, pairs, request.effort.walks, request.seed, monitor,
-                     look.has_clock() ? std::optional(kFirstLookSeconds) : std::nullopt);
-    if (!monitor.is_stopped()) warn_of_few_walks(truth, request, monitor);
+                     look.has_clock() ? std::optional(kFirstLookSeconds) : request.effort.seconds);
+    answer.fewest_walks = request.effort.walks;
+    for (const TruthValue& v : truth)
+      if (v.walks > 0) answer.fewest_walks = std::min(answer.fewest_walks, v.walks);
+    if (!monitor.is_stopped() && look.has_clock()) warn_of_few_walks(truth, request, monitor);
     warn_of_cut_walks(truth, plan, monitor);
   }
   for (const TruthValue& v : truth) {

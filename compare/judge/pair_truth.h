@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "analytic/model/model.h"
@@ -16,13 +17,15 @@ struct PairTruth {
   /// Per pair: the standard error of walks, with f of what cut walks held were it spread like
   /// Lambert's over one side; or the solver's bound.
   std::vector<Rgb> error;
+  std::uint64_t fewest_walks = 0;  ///< of any incident direction; 0 from the solver
 
   /// Whether the solver found it.
   [[nodiscard]] bool is_solved() const { return choice.estimator == Estimator::deterministic; }
 };
 
 /// Finds it by the request's estimator, next-event walks or the solver; the request's own
-/// directions and cells mean nothing. Where nothing is asked of the effort the clock ends walks.
+/// directions and cells mean nothing. Where nothing is asked of the effort the clock ends walks; a
+/// time that is asked for ends them, too.
 /// Both cosines of a pair at 0 are refused (std::invalid_argument), like light from below where the
 /// stack is closed there. Throws what choose_estimator throws, and NoAnswerError where the solver
 /// was asked for and its values are none.

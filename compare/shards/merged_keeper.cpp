@@ -51,7 +51,7 @@ RunKeeper::Found MergedKeeper::begin(Simulation& simulation) {
   std::vector<bool> there(kBatches);
   std::optional<std::uint64_t> walks;
   Found found{.done = true};
-  for (const auto& part : parts_) {
+  for (const Pieces* part : parts_) {
     if (!part->has(number)) continue;
     try {
       const SavedWalks saved =
@@ -75,13 +75,12 @@ RunKeeper::Found MergedKeeper::begin(Simulation& simulation) {
 
 std::optional<std::string> MergedKeeper::piece(const Make&) {
   const std::uint64_t number = next_++;
-  const PartFile* owner = nullptr;
-  for (const auto& part : parts_) {
+  const Pieces* owner = nullptr;
+  for (const Pieces* part : parts_) {
     if (!part->has(number)) continue;
     if (owner)
-      part->refuse(
-          fmt::format("found piece {} in it, which {} has", number, owner->path().string()));
-    owner = part.get();
+      part->refuse(fmt::format("found piece {} in it, which {} has", number, owner->name()));
+    owner = part;
   }
   if (!owner)
     throw UsageError(

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "compare/request/run_keeper.h"
@@ -12,7 +13,11 @@ namespace lamella {
 /// where a piece is missing, twice there or damaged.
 class MergedKeeper : public RunKeeper {
  public:
-  explicit MergedKeeper(const std::vector<std::unique_ptr<PartFile>>& parts) : parts_(parts) {}
+  /// The parts must outlive it.
+  explicit MergedKeeper(std::vector<const Pieces*> parts) : parts_(std::move(parts)) {}
+  explicit MergedKeeper(const std::vector<std::unique_ptr<PartFile>>& parts) {
+    for (const auto& part : parts) parts_.push_back(part.get());
+  }
 
   [[nodiscard]] Found begin(Simulation& simulation) override;
   void checkpoint(const Simulation&, double, bool) override {}
@@ -20,7 +25,7 @@ class MergedKeeper : public RunKeeper {
   [[nodiscard]] std::optional<std::string> piece(const Make& make) override;
 
  private:
-  const std::vector<std::unique_ptr<PartFile>>& parts_;
+  std::vector<const Pieces*> parts_{};
   std::uint64_t next_ = 0;
 };
 

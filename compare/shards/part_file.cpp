@@ -88,6 +88,15 @@ void write_part(const fs::path& path, const Part& part) {
   write_file(path, all);
 }
 
+std::string SentPieces::piece(std::uint64_t number, std::uint64_t most) const {
+  const auto found = pieces_.find(number);
+  if (found == pieces_.end()) refuse(fmt::format("found no piece {} in it", number));
+  if (found->second.size() > most)
+    refuse(fmt::format("found {} bytes in piece {}, which has at most {}", found->second.size(),
+                       number, most));
+  return found->second;
+}
+
 PartFile::PartFile(fs::path path) : path_(std::move(path)) {
   opened(path_);
   std::error_code error;
@@ -155,9 +164,8 @@ Part PartFile::all(std::uint64_t most) const {
   return part;
 }
 
-void PartFile::refuse(const std::string& found) const {
-  throw UsageError(fmt::format("{}: {}; allowed: a whole part file (--shard) or checkpoint",
-                               path_.string(), found));
+void Pieces::refuse(const std::string& found) const {
+  throw UsageError(fmt::format("{}: {}; allowed: {}", name(), found, allowed()));
 }
 
 }  // namespace lamella

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 namespace lamella {
 
@@ -26,27 +27,63 @@ inline constexpr std::uint64_t kInputPiece = std::numeric_limits<std::uint64_t>:
 /// Writes the whole file or nothing (write_file). Throws OutputError.
 void write_part(const std::filesystem::path& path, const Part& part);
 
+/// The pieces of a part of a run, by their numbers.
+class Pieces {
+ public:
+  Pieces() = default;
+  Pieces(const Pieces&) = delete;
+  Pieces& operator=(const Pieces&) = delete;
+  virtual ~Pieces() = default;
+
+  /// As errors name it.
+  [[nodiscard]] virtual std::string name() const = 0;
+  [[nodiscard]] virtual bool has(std::uint64_t piece) const = 0;
+  /// Throws UsageError where there is none, or it has more than `most` bytes.
+  [[nodiscard]] virtual std::string piece(std::uint64_t number, std::uint64_t most) const = 0;
+  /// What these pieces must be: of errors.
+  [[nodiscard]] virtual std::string allowed() const = 0;
+  /// Throws UsageError: "NAME: ...; allowed: ...".
+  [[noreturn]] void refuse(const std::string& found) const;
+};
+
+/// Pieces in memory: what a rank has sent.
+class SentPieces : public Pieces {
+ public:
+  SentPieces(std::string name, std::map<std::uint64_t, std::string> pieces)
+      : name_(std::move(name)), pieces_(std::move(pieces)) {}
+
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] bool has(std::uint64_t piece) const override { return pieces_.contains(piece); }
+  [[nodiscard]] std::string piece(std::uint64_t number, std::uint64_t most) const override;
+  [[nodiscard]] std::string allowed() const override { return "what a rank of this run sends"; }
+
+ private:
+  std::string name_;
+  std::map<std::uint64_t, std::string> pieces_;
+};
+
 /// A part file that is open: the header in memory, pieces read when they are asked for. The
 /// content is untrusted: sizes are held against the file's before there is room made for them.
-class PartFile {
+class PartFile : public Pieces {
  public:
   /// Reads the header and checks the sum. Throws UsageError for what is no part file, is cut off
   /// or damaged, and OutputError where the file cannot be read.
   explicit PartFile(std::filesystem::path path);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::string name() const override { return path_.string(); }
   [[nodiscard]] const nlohmann::ordered_json& header() const { return header_; }
   /// A member of the header that is a text. Throws UsageError where there is none.
   [[nodiscard]] std::string text(const std::string& key) const;
-  [[nodiscard]] bool has(std::uint64_t piece) const { return places_.contains(piece); }
+  [[nodiscard]] bool has(std::uint64_t piece) const override { return places_.contains(piece); }
   [[nodiscard]] std::size_t pieces() const { return places_.size(); }
-  /// Throws UsageError where there is none, or it has more than `most` bytes.
-  [[nodiscard]] std::string piece(std::uint64_t number, std::uint64_t most) const;
+  [[nodiscard]] std::string piece(std::uint64_t number, std::uint64_t most) const override;
   /// All of it, for a run that goes on. Throws UsageError where that is more than `most` bytes.
   [[nodiscard]] Part all(std::uint64_t most) const;
 
-  /// Throws UsageError: "FILE: ...; allowed: a part file ...".
-  [[noreturn]] void refuse(const std::string& found) const;
+  [[nodiscard]] std::string allowed() const override {
+    return "a whole part file (--shard) or checkpoint";
+  }
 
  private:
   struct Place {

@@ -8,7 +8,7 @@ from lamella_program import WITH_CAIRO, WITH_CERES, ProgramTest
 # What a command takes beside options, so that the option is what is wrong with it.
 WORDS = {"eval": ["lambert", "--pairs", "pairs.csv"], "invert": ["eon", "albedo=0.5"],
          "sweep": ["sggx_slab", "--set", "layer.0.albedo=0.5"], "show": ["lobes.exr"], "rerun": ["lobes.exr"],
-         "merge": ["one.part"],
+         "merge": ["one.part"], "library": ["verify", "folder"],
          "grid": ["weave"], "reproduce": ["vmf_figure_5"], "completion": ["bash"], "measure": ["sphere_bed_dense"],
          "check": ["lambert"],
          "export": ["lambert", "--to", "csv", "--output", "new.csv"], "import": ["grey.bsdf"]}
@@ -34,6 +34,9 @@ WRONG = {
     "FILE.part": ["", "none/x.part", "folder", "x.png", "x"],
     "RESULT": ["", "none/x.exr", "folder", "x.png", "x"],
     "I/N": ["", "x", "1", "0/2", "3/2", "1/2/3", "1/0", "-1/2", "auto", "auto/0", "auto/2", "1/1000001"],
+    "LIBRARY": ["", "none", "file", "folder"],
+    "ENTRY,...": ["", "nonsense"],
+    "ENTRY[,key=value...]": ["", "nonsense"],
     "FOLDER": ["", "file", "file/x", "x.png"],
     "PATH": ["", "file/x", "folder"],
     "NAME[,key=value...]": ["", "nonsense", "eon,nonsense=1", "eon,roughness=2", "eon,roughness=x", "eon,roughness",
