@@ -22,7 +22,7 @@ int simulate_command(const Options& options);
 /// `pictures`, here and below: names of their formats; none: PNG where this build has Cairo.
 int compare_command(const Options& options, const std::vector<std::string>& pictures);
 /// The same where the truth is a measured material, a file that is_measured_file names.
-int compare_measured_command(const Options& options, const std::vector<std::string>& pictures);
+int compare_with_model_command(const Options& options, const std::vector<std::string>& pictures);
 int furnace_command(const Options& options);
 
 /// The answer of a command, and the exit status that goes with it.

@@ -137,13 +137,13 @@ const DividedCommand& compare_divided() {
 }
 
 int compare_command(const Options& options, const std::vector<std::string>& pictures) {
-  if (is_measured_file(options.stack)) {
+  if (!options.truth_model.empty() || is_measured_file(options.stack)) {
     if (!options.shard.empty() || !options.checkpoint.empty() || started_ranks())
       throw UsageError(
-          "--shard, --checkpoint, mpirun: found a measured material, which takes no walks; "
-          "allowed: a "
-          "stack");
-    return compare_measured_command(options, pictures);
+          fmt::format("--shard, --checkpoint, mpirun: found {}, which takes no walks; allowed: a "
+                      "stack",
+                      options.truth_model.empty() ? "a measured material" : "--truth"));
+    return compare_with_model_command(options, pictures);
   }
   return do_divided(compare_divided(), {"compare", options, stack_of(options), {}, {}, pictures});
 }

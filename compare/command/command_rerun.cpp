@@ -71,6 +71,11 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
       throw broken(name);
     }
   };
+  if (text("stack").empty())
+    throw UsageError(
+        fmt::format("{}: its truth was a measured material or a closed form, which is nothing to "
+                    "repeat; allowed: lobes of a stack",
+                    path));
   RecordedRun recorded{.request = {}, .estimator = Estimator::analog, .walks = {}, .model = {}};
   TruthRequest& request = recorded.request;
   request.stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name")));

@@ -21,6 +21,10 @@ void define_compare(CommandLine& line) {
   add_run_options(command, line);
   add_grid(command, line);
   add_model(command, line, "A model to judge, repeatable (default: all that apply)");
+  command
+      .add_option("--truth", line.options.truth_model,
+                  "A closed form that is the truth, in the place of STACK")
+      ->type_name("NAME[,key=value...]");
   add_max_error(command, line);
   command.add_flag("--preview", line.options.preview,
                    "Also a sphere and a plane under light, in the folder and in the report (see "

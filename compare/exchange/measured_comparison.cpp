@@ -50,18 +50,20 @@ bool is_measured_file(const std::string& name) {
   return name.ends_with(".binary") || name.ends_with(".bsdf");
 }
 
-StackComparison compare_measured(const Model& measured, const TruthRequest& request,
-                                 const std::vector<BoundModel>& models, const RunMonitor& monitor) {
+StackComparison compare_with_model(const ModelTruth& truth, const TruthRequest& request,
+                                   const std::vector<BoundModel>& models,
+                                   const RunMonitor& monitor) {
   Plan plan;
   plan.channels = 3;
-  plan.folded = plan.transmits = false;
+  plan.folded = false;
+  plan.transmits = truth.info.transmits;
   std::vector<Truth> truths;
   for (const Direction wi : request.directions) {
     if (monitor.is_stopped() && !truths.empty()) break;
-    truths.push_back(projected_truth(measured, measured_info("measured"), wi, request.cells, 3));
+    truths.push_back(projected_truth(truth.model, truth.info, wi, request.cells, 3));
   }
   StackComparison comparison = compare_truths(
-      truths, plan, {Estimator::deterministic, "a measured material on cells", nullptr}, models);
+      truths, plan, {Estimator::deterministic, truth.what + " on cells", nullptr}, models);
   comparison.interrupted = monitor.is_stopped();
   return comparison;
 }

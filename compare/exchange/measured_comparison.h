@@ -16,12 +16,20 @@ namespace lamella {
 [[nodiscard]] Truth projected_truth(const Model& model, const ModelInfo& info, Direction wi,
                                     const CellGrid& cells, int channels);
 
-/// Closed forms against a measured material, whose reflection from above is the truth: of the
-/// request, directions and cells count. Its projection onto cells is exact within what stands for
-/// the error bound, and it has no orders: lobes are compared in "all" alone. `models` must outlive
-/// the result.
-[[nodiscard]] StackComparison compare_measured(const Model& measured, const TruthRequest& request,
-                                               const std::vector<BoundModel>& models,
-                                               const RunMonitor& monitor);
+/// What stands in the place of a stack's truth.
+struct ModelTruth {
+  const Model& model;
+  ModelInfo info;
+  std::string what;  ///< in words: "a measured material"
+};
+
+/// Closed forms against a measured material or a closed form, whose reflection, and transmission
+/// where `info` says so, is the truth: of the request, directions and cells count. Its projection
+/// onto cells is exact within what stands for the error bound, and it has no orders: lobes are
+/// compared in "all" alone. `models` must outlive the result.
+[[nodiscard]] StackComparison compare_with_model(const ModelTruth& truth,
+                                                 const TruthRequest& request,
+                                                 const std::vector<BoundModel>& models,
+                                                 const RunMonitor& monitor);
 
 }  // namespace lamella

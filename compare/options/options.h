@@ -34,6 +34,7 @@ struct Options {
   std::string against{};                   ///< of bench: the JSON of an earlier run
   std::optional<int> rounds{};             ///< of bench; else 3 with `against`, 1 without
   std::vector<std::string> models{};
+  std::string truth_model{};  ///< of compare: a closed form in the place of the stack
   std::optional<double> max_error{};
   std::string pairs{};
   std::vector<std::string> contrasts{};                  ///< of homogenise, factors in [0, 1]

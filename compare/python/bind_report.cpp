@@ -86,7 +86,9 @@ py::tuple compare_with_measured(const std::shared_ptr<PythonModel>& measured,
   }
   WorkEnd end = do_work(options.threads, show, [&](const RunMonitor& monitor) {
     report->inputs = InputFiles(Stack{}, objects_of(report->models));
-    report->comparison = compare_measured(*measured->bound.model, request, report->models, monitor);
+    report->comparison = compare_with_model(
+        {*measured->bound.model, *measured->bound.info, "a closed form or a measured material"},
+        request, report->models, monitor);
   });
   return py::make_tuple(std::move(report), end.warnings);
 }

@@ -108,6 +108,32 @@ class ClosedFormCommands(ProgramTest):
             self.assertGreater(float(row.split(",")[5]), 0, part)
 
 
+class AClosedFormAsTheTruth(ProgramTest):
+    def test_models_are_compared_with_it(self):
+        answer = self.json_of("compare", "--truth", "eon,albedo=0.8,roughness=0.5", "--model", "lambert,albedo=0.8",
+                              "--model", "eon,albedo=0.8,roughness=0.5", "--wi", "30", "--grid", "4x8", "--quiet", "-o", "models")
+        lambert, same = (m["lobes"][0] for m in answer["models"])
+        # EON's own albedo, by quadrature in the tests of its room; cells project within 1e-4.
+        self.assertAlmostEqual(same["relative_rmse"], 0, delta=1e-4)
+        self.assertEqual(same["verdict"], "agrees")
+        self.assertEqual(lambert["verdict"], "differs")
+        self.assertAlmostEqual(lambert["energy_model"][0], 0.8, delta=1e-4)
+        # Transmission, too, from both sides.
+        glass = self.json_of("compare", "--truth", "microfacet,material=dielectric,roughness=0.5", "--model",
+                             "microfacet,material=dielectric,roughness=0.5", "--wi", "30", "--wi", "150", "--grid", "4x8",
+                             "--quiet", "-o", "glass")
+        lobes = glass["models"][0]["lobes"]
+        self.assertEqual([(l["side"], l["verdict"]) for l in lobes], 2 * [("reflect", "agrees"), ("transmit", "agrees")])
+        self.assertIn("nothing to", self.lamella("rerun", "glass/truth.exr", status=2).err)
+
+    def test_what_makes_no_sense_is_refused(self):
+        for words, told in ((["--truth", "eon"], "--model"), (["sggx_slab", "--truth", "eon", "--model", "lambert"], "sggx_slab"),
+                            (["--truth", "nonsense", "--model", "lambert"], "nonsense"),
+                            (["--truth", "eon", "--model", "lambert", "--shard", "1/2", "-o", "a.part"], "--truth"),
+                            (["--truth", "eon", "--model", "lambert", "--preview"], "--preview")):
+            self.assertIn(told, self.lamella("compare", *words, status=2).err)
+
+
 class ModelsOfOnesOwn(ProgramTest):
     def test_the_example_is_judged_like_any_other(self):
         shutil.copy(os.path.join(os.environ["LAMELLA_PLUGINS"], "minnaert.so"), self.folder)

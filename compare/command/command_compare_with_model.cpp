@@ -18,34 +18,69 @@
 
 namespace lamella {
 
-int compare_measured_command(const Options& options, const std::vector<std::string>& pictures) {
+namespace {
+
+// The material that closed forms are compared with: a file's, or a closed form.
+struct TruthModel {
+  std::unique_ptr<Model> measured{};
+  BoundModel closed{};
+  std::string name, what;
+  [[nodiscard]] const Model& model() const { return measured ? *measured : *closed.model; }
+  [[nodiscard]] ModelInfo info() const {
+    return measured ? measured_info("measured") : *closed.info;
+  }
+};
+
+TruthModel truth_model(const Options& options) {
+  TruthModel truth;
+  if (options.truth_model.empty()) {
+    truth.measured = read_brdf(read_format_file(options.stack), options.stack);
+    truth.name = std::filesystem::path(options.stack).stem().string();
+    truth.what = "a measured material";
+    return truth;
+  }
+  if (!options.stack.empty())
+    throw UsageError(fmt::format(
+        "compare: found both the stack {} and --truth; allowed: one of them", options.stack));
+  truth.closed = bind_model(parse_model_request(options.truth_model), nullptr);
+  truth.name = truth.closed.info->name;
+  truth.what = options.truth_model;
+  return truth;
+}
+
+}  // namespace
+
+int compare_with_model_command(const Options& options, const std::vector<std::string>& pictures) {
+  const char* material =
+      options.truth_model.empty() ? "a measured material" : "a closed form as the truth";
   if (options.preview)
-    throw UsageError("compare --preview: found a measured material; allowed: a stack");
+    throw UsageError(fmt::format("compare --preview: found {}; allowed: a stack", material));
   const std::vector<ModelRequest> requests = model_requests(options);
   if (requests.empty())
     throw UsageError(
-        fmt::format("compare {}: found no --model; allowed: one or more, as nothing says which "
-                    "apply to a measured material",
-                    options.stack));
+        fmt::format("compare: found no --model; allowed: one or more, as nothing says which apply "
+                    "to {}",
+                    material));
   const std::vector<PictureFormat> formats = picture_formats_of(pictures);
   TruthRequest request;
-  request.stack.name = std::filesystem::path(options.stack).stem().string();
+  const TruthModel truth = truth_model(options);
+  request.stack.name = truth.name;
   request.directions = incident_directions(options, Stack{});
   request.cells = parse_grid(options.grid);
   request.seed = options.seed;
   request.isa = isa_of(options);
-  const std::unique_ptr<Model> measured = read_brdf(read_format_file(options.stack), options.stack);
   std::vector<BoundModel> models;
   for (const ModelRequest& model : requests) models.push_back(bind_model(model, nullptr));
   std::vector<std::filesystem::path> read = objects_of(models);
-  read.emplace_back(options.stack);
+  if (truth.measured) read.emplace_back(options.stack);
+  if (!truth.closed.object.empty()) read.emplace_back(truth.closed.object);
   const InputFiles inputs(Stack{}, read);
   const std::string folder =
       options.output.empty() ? request.stack.name + "-compare" : options.output;
   make_output_folder(folder);
   const FolderLock lock(folder);
-  const StackComparison comparison =
-      compare_measured(*measured, request, models, terminal_monitor(options));
+  const StackComparison comparison = compare_with_model({truth.model(), truth.info(), truth.what},
+                                                        request, models, terminal_monitor(options));
   inputs.check();
   nlohmann::ordered_json answer = comparison_json(request, comparison);
   add_files(answer, inputs);
@@ -54,7 +89,7 @@ int compare_measured_command(const Options& options, const std::vector<std::stri
   write_json(answer, folder + "/report.json");
   write_file(folder + "/summary.txt", summary);
   write_report_page(folder + "/report.html",
-                    request.stack.name + ": closed forms against a measured material", answer,
+                    request.stack.name + ": closed forms against " + material, answer,
                     comparison_details(comparison));
   if (!options.quiet) {
     std::FILE* out = table_stream(options);
