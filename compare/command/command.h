@@ -131,6 +131,16 @@ int fit_command(const Options& options, const ClosedFormOptions& closed,
 /// The parameters of closed forms that come nearest to a stack, lobes or a material.
 int fit_models_command(const Options& options, const ClosedFormOptions& closed,
                        const std::vector<std::string>& pictures);
+/// What `tabulate` writes.
+struct TabulateOptions {
+  std::string of = "fourier";               ///< legendre, fourier or albedo
+  int terms = 8;                            ///< of the series
+  std::vector<std::string> mu_i{}, mu_o{};  ///< cosines; empty: 1, 0.9 ... 0.1
+};
+/// Series of a closed form or of a medium's phase function, as CSV. `words`: its name and its
+/// key=value arguments.
+int tabulate_command(const Options& options, const TabulateOptions& asked,
+                     const std::vector<std::string>& words);
 /// The albedo that gives a colour. `words`: a model or stack and its key=value arguments, the
 /// colour as albedo among them.
 int invert_command(const Options& options, const ClosedFormOptions& closed,

@@ -22,6 +22,7 @@ struct CommandLine {
   Options options{};
   ClosedFormOptions closed{};
   CheckOptions checking{};
+  TabulateOptions tabulate{};
   LibraryOptions library{};
   std::string walks{};                         ///< as typed
   std::string word{};                          ///< the one argument of commands that take one word

@@ -26,6 +26,40 @@ void define_eval(CommandLine& line) {
   add_shard(command, line, "FILE.csv", "Write the values there instead of stdout");
 }
 
+void define_tabulate(CommandLine& line) {
+  CLI::App& command =
+      line.add("tabulate", "Series of a closed form or a phase function, and albedos, as CSV",
+               "lamella tabulate media.henyey_greenstein g=0.7 --of legendre --terms 16",
+               [&] { return tabulate_command(line.options, line.tabulate, line.words); });
+  command
+      .add_option(
+          "MODEL", line.words,
+          "A closed form, or the phase function of a medium (media.NAME), then key=value...")
+      ->transform(named("a model, or media.NAME, then key=value..."))
+      ->required()
+      ->expected(1, -1);
+  command
+      .add_option("--of", line.tabulate.of,
+                  "Fourier coefficients in the azimuth (default), Legendre's of a phase function, "
+                  "or albedos")
+      ->transform(one_of({"fourier", "legendre", "albedo"}))
+      ->type_name("fourier|legendre|albedo");
+  command.add_option("--terms", line.tabulate.terms, "Terms of the series (default 8)")
+      ->transform(whole_number(1, 256))
+      ->type_name("N");
+  for (const auto& [name, list, doc] : {std::tuple{"--mu-i", &line.tabulate.mu_i, "Cosine of w_i"},
+                                        std::tuple{"--mu-o", &line.tabulate.mu_o, "Cosine of w_o"}})
+    command
+        .add_option(
+            name, *list,
+            fmt::format("{}, repeatable; below 0: from below (default 1, 0.9, ... 0.1)", doc))
+        ->type_name("MU")
+        ->take_all()
+        ->allow_extra_args(false);
+  add_output(command, line, "FILE.csv", "Write the table there instead of stdout");
+  add_json(command, line);
+}
+
 void define_accuracy(CommandLine& line) {
   CLI::App& command =
       line.add("accuracy", "How far every closed form is from the truth, as a Markdown table",
@@ -218,6 +252,7 @@ void define_list(CommandLine& line, const std::string& name, const std::string& 
 
 void define_model_commands(CommandLine& line) {
   define_eval(line);
+  define_tabulate(line);
   define_accuracy(line);
   define_bench(line);
   define_samplers(line);

@@ -1,3 +1,4 @@
+import math
 import os
 import shutil
 
@@ -132,6 +133,27 @@ class AClosedFormAsTheTruth(ProgramTest):
                             (["--truth", "eon", "--model", "lambert", "--shard", "1/2", "-o", "a.part"], "--truth"),
                             (["--truth", "eon", "--model", "lambert", "--preview"], "--preview")):
             self.assertIn(told, self.lamella("compare", *words, status=2).err)
+
+
+class Tables(ProgramTest):
+    def test_series_and_albedos_are_tabulated(self):
+        legendre = self.json_of("tabulate", "media.henyey_greenstein", "g=0.7", "--of", "legendre", "--terms", "3")
+        self.assertEqual(legendre["columns"], ["l", "chi", "error"])
+        for l, chi, error in legendre["rows"]:
+            self.assertAlmostEqual(chi, 0.7**l, delta=1e-12)
+        self.lamella("tabulate", "lambert", "albedo=0.9,0.5,0.1", "--mu-i", "0.5", "--mu-o", "1", "--terms", "2", "-o", "l.csv")
+        header, first, second = (self.folder / "l.csv").read_text().splitlines()
+        self.assertEqual(header, "mu_i,mu_o,m,value_r,value_g,value_b,error")
+        self.assertAlmostEqual(float(first.split(",")[4]), 0.5 / math.pi, delta=1e-15)
+        self.assertAlmostEqual(float(second.split(",")[4]), 0, delta=1e-15)
+        albedo = self.json_of("tabulate", "eon", "roughness=0.5", "albedo=1", "--of", "albedo", "--mu-i", "0.3")
+        self.assertAlmostEqual(albedo["rows"][0][1], 1, delta=1e-7)
+
+    def test_what_cannot_be_tabulated_is_refused(self):
+        for words in (["media.sggx", "axis=1,0,0"], ["media.sggx", "--of", "legendre"], ["eon", "--of", "legendre"],
+                      ["media.sggx", "--of", "albedo"], ["eon", "--mu-i", "0"], ["eon", "--mu-o", "-0.5"], ["nonsense"],
+                      ["media.nonsense"], ["eon", "--terms", "0"]):
+            self.assertIn("allowed:", self.lamella("tabulate", *words, status=2).err)
 
 
 class ModelsOfOnesOwn(ProgramTest):

@@ -6,7 +6,7 @@ import re
 from lamella_program import WITH_CAIRO, WITH_CERES, ProgramTest
 
 # What a command takes beside options, so that the option is what is wrong with it.
-WORDS = {"eval": ["lambert", "--pairs", "pairs.csv"], "invert": ["eon", "albedo=0.5"],
+WORDS = {"eval": ["lambert", "--pairs", "pairs.csv"], "tabulate": ["eon"], "invert": ["eon", "albedo=0.5"],
          "sweep": ["sggx_slab", "--set", "layer.0.albedo=0.5"], "show": ["lobes.exr"], "rerun": ["lobes.exr"],
          "merge": ["one.part"], "library": ["verify", "folder"],
          "grid": ["weave"], "reproduce": ["vmf_figure_5"], "completion": ["bash"], "measure": ["sphere_bed_dense"],
@@ -23,6 +23,7 @@ WRONG = {
     "F": [*NUMBERS, "2"],
     "MUxPHI": ["", "x", "4", "0x8", "4x", "4x8x2", "-4x8", "99999x1"],
     "THETA[,PHI]": ["", "x", "-1", "200", "30,", "30,x", "1,2,3", "nan"],
+    "MU": ["", "x", "0", "1.5", "nan"],
     "THETA": ["", "x", "-1", "91", "nan"],
     "FILE": ["", "none/x.json", "folder", "file/x.json"],
     "FILE.exr": ["", "none/x.exr", "folder.exr", "x.png", "x"],
