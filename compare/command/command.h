@@ -105,7 +105,7 @@ struct CheckOptions {
   std::vector<std::string> entries{};  ///< of it, NAME[,key=value...], that the model stands for
 };
 /// The same with --quick.
-inline constexpr CheckOptions kQuickCheck{.configurations = 5, .samples = 4000};
+inline const CheckOptions kQuickCheck{.configurations = 5, .samples = 4000};
 /// Seconds after which `check` begins no further case, unless --time says otherwise.
 inline constexpr double kCheckSeconds = 60;
 /// An answer, and its lines for people.
