@@ -117,31 +117,34 @@ struct BoundaryEnds {
   MaskOf<Real> lost, out, cut;
 };
 
-/// Whether facets let light pass that one of them has sent on, by two exponential numbers whose
-/// laws are those of Smith's heights: of light from w_i the facet is met at a height with
-/// cumulative u, density a u^(a - 1), a = 1 + L_i; from there light reaches the outside along w_o
-/// above with the chance u^L_o, below the surface with (1 - u)^L_o. The means are the masking
-/// functions of Masking::beta; the others have the same for both sides, or do not ask for w_i.
+/// Whether facets let light pass that one of them has sent on. The chances are 1 / (1 + c), c = L_o
+/// / (1 + L_i), or L_o with Masking::separable: one uniform number tells. With Masking::beta
+/// somewhere two exponential numbers do, whose laws are those of Smith's heights: of light from w_i
+/// the facet is met at a height with cumulative u, density a u^(a - 1), a = 1 + L_i; from there
+/// light reaches the outside along w_o above with the chance u^L_o, below the surface with (1 -
+/// u)^L_o. The means are the masking functions of Masking::beta.
 template <class Real>
 [[nodiscard]] LAMELLA_INLINE MaskOf<Real> passes_facets(
     const BoundaryNumbers<typename NumberTraits<Real>::Scalar>& b, Real masking, MaskOf<Real> below,
-    Real wi_z, Real seen, Real wo_z, Real hidden, Real e1, Real e2) {
+    Real wi_z, Real seen, Real wo_z, Real hidden, const WordsOf<Real>* words) {
   using std::exp;
-  // E_2 > c E_1 has the chance 1 / (1 + c), c = L_o / (1 + L_i)
-  auto passes = e2 * seen * wo_z > hidden * wi_z * e1;
-  if (b.separable)  // c = L_o
-    passes = (without(passes, masking > Real(1.5))) |
-             ((masking > Real(1.5)) & (e2 * wo_z > hidden * e1));
-  if (b.beta) {
-    // u = exp(-x), and 1 - u without cancellation
-    const Real x = divide(wi_z * e1, seen);
-    const Real series = x * multiply_add(x, multiply_add(x, Real(1.0 / 6), Real(-0.5)), Real(1));
-    const Real beyond = select(x < Real(0.03), series, Real(1) - exp(-x));
-    const auto through = beyond > exp(-divide(e2 * wo_z, max(hidden, Real(1e-30))));
-    const auto asks = below & (masking < Real(0.5));
-    passes = without(passes, asks) | (asks & through);
+  // c = hides / shows
+  Real shows = seen * wo_z, hides = hidden * wi_z;
+  if (b.separable) {
+    const auto apart = masking > Real(1.5);
+    shows = select(apart, wo_z, shows);
+    hides = select(apart, hidden, hides);
   }
-  return passes;
+  if (!b.beta) return fine_uniform_of(words[0]) * (shows + hides) < shows;
+  const Real e1 = exponential_of(words[0]), e2 = exponential_of(words[1]);
+  const auto passes = e2 * shows > hides * e1;
+  // u = exp(-x), and 1 - u without cancellation
+  const Real x = divide(wi_z * e1, seen);
+  const Real series = x * multiply_add(x, multiply_add(x, Real(1.0 / 6), Real(-0.5)), Real(1));
+  const Real beyond = select(x < Real(0.03), series, Real(1) - exp(-x));
+  const auto through = beyond > exp(-divide(e2 * wo_z, max(hidden, Real(1e-30))));
+  const auto asks = below & (masking < Real(0.5));
+  return without(passes, asks) | (asks & through);
 }
 
 /// Light of the lanes `active`, all at boundaries: reflected or refracted by chance, and perhaps
@@ -207,9 +210,8 @@ LAMELLA_INLINE BoundaryEnds<Real> meet(const WalkSetting<typename NumberTraits<R
     if (b.ggx) hidden = ggx.hidden_area({wo.x, wo.y, z});
     if (b.beckmann)
       hidden = select(is_beckmann, beckmann.hidden_area(Vec3<Real>{wo.x, wo.y, z}), hidden);
-    const Mask passes =
-        passes_facets(b, b.beta || b.separable ? number(kMasking) : Real(1), refracts, v.z, seen, z,
-                      hidden, exponential_of(words[4]), exponential_of(words[5]));
+    const Mask passes = passes_facets(b, b.beta || b.separable ? number(kMasking) : Real(1),
+                                      refracts, v.z, seen, z, hidden, words + 4);
     const Mask right = (refracts & (wo.z < Real(0))) | without(wo.z > Real(0), refracts);
     lost = without(without(active, smooth), passes & right);
   }

@@ -241,6 +241,9 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
   if (plan.boundaries) {
     for (int k = 0; k < walk.layer_count; ++k) write_boundary(parts[k].above, k, boundaries);
     write_boundary(lane_bottom(stack, plan), walk.layer_count, boundaries);
+    // One number less where masking takes a uniform one.
+    if (boundaries.ggx && !boundaries.beckmann && !boundaries.beta)
+      boundaries.words = kGgxWords - 1;
     int interfaces = 0;
     for (int k = 0; k <= walk.layer_count; ++k)
       if (boundaries.value[kShape][k] > 0) boundaries.only = interfaces++ == 0 ? k : -1;
