@@ -77,6 +77,10 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// against the textbook loop with a coat, one thread.
 void measure_coats(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// Walks that are kept one by one (volume/run/sample_run.h), in memory, against the same walks
+/// counted in cells, one thread.
+void measure_samples(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// Seconds to 1 % standard error of lobes, and to 0.1 % and 0.01 % of those of all orders, by
 /// estimator and by the solver, one thread.
 void measure_accuracy(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);

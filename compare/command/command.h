@@ -66,6 +66,9 @@ int library_command(const Options& options, const LibraryOptions& library);
 /// Puts the parts of a divided run together. `paths`: of part files.
 int merge_command(const Options& options, const std::vector<std::string>& paths,
                   const std::vector<std::string>& pictures);
+/// Walks one by one, into an archive of NumPy arrays, or one of each of many stacks. `stacks`:
+/// names or files; none: the default stack.
+int samples_command(const Options& options, const std::vector<std::string>& stacks);
 /// `format`: mitsuba, pbrt, merl, npz or csv; `size`: small, medium or large, of tensor files.
 int export_command(const Options& options, const std::string& format, const std::string& size);
 /// Measured materials of other programs' formats as lobes.
@@ -94,7 +97,9 @@ struct ClosedFormOptions {
   std::string sampling{};  ///< the model whose sampling lobes are fitted
   bool bond = false;       ///< light from everywhere instead of --wi
   bool all = false;        ///< samplers: every row and the times, where no model is named
-  std::string norm = "relative", sides = "all";  ///< of fits of models
+  std::string norm = "relative", sides = "all";  ///< of fits of models and stacks
+  std::string stack{};                           ///< of fit: whose numbers are fitted
+  std::vector<std::string> vary{};               ///< of fit: PATH=FROM:TO
 };
 
 /// What `check` does at most.
@@ -131,6 +136,9 @@ int fit_command(const Options& options, const ClosedFormOptions& closed,
 /// The parameters of closed forms that come nearest to a stack, lobes or a material.
 int fit_models_command(const Options& options, const ClosedFormOptions& closed,
                        const std::vector<std::string>& pictures);
+/// The numbers of a stack that bring it nearest to another stack, to lobes or to a material.
+int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
+                      const std::vector<std::string>& pictures);
 /// What `tabulate` writes.
 struct TabulateOptions {
   std::string of = "fourier";               ///< legendre, fourier or albedo

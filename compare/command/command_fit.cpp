@@ -157,6 +157,14 @@ int fit_stack(const Options& options) {
 int fit_command(const Options& options, const ClosedFormOptions& closed,
                 const std::vector<std::string>& pictures) {
   require_least_squares();
+  if (!closed.vary.empty() && closed.stack.empty())
+    throw UsageError("--vary: found no --stack; allowed: beside it");
+  if (!closed.stack.empty()) {
+    if (!options.models.empty() || !closed.sampling.empty())
+      throw UsageError(fmt::format("--stack: found beside {}; allowed: one of the two",
+                                   options.models.empty() ? "--sampling" : "--model"));
+    return fit_stack_command(options, closed, pictures);
+  }
   if (!options.models.empty()) {
     if (!closed.sampling.empty())
       throw UsageError("--sampling: found beside --model; allowed: one of the two");

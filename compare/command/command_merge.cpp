@@ -28,7 +28,7 @@ constexpr std::uint64_t kMostInputBytes = std::uint64_t{256} << 20;
 const DividedCommand& command_of(const PartFile& part) {
   const std::string name = part.text("command");
   for (const DividedCommand* command : {&simulate_divided(), &compare_divided(), &furnace_divided(),
-                                        &sweep_divided(), &eval_divided()})
+                                        &sweep_divided(), &eval_divided(), &samples_divided()})
     if (command->name == name) return *command;
   part.refuse(fmt::format("found a part of the command \"{}\"", name));
 }

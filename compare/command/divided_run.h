@@ -45,6 +45,7 @@ struct DividedCommand {
 [[nodiscard]] const DividedCommand& furnace_divided();
 [[nodiscard]] const DividedCommand& sweep_divided();
 [[nodiscard]] const DividedCommand& eval_divided();
+[[nodiscard]] const DividedCommand& samples_divided();
 
 /// Does the run as its options say: as a whole, or the part that --shard names, with --checkpoint
 /// or without. Returns the exit status.

@@ -191,6 +191,19 @@ void define_fit(CommandLine& line) {
             "Without: SpongeCake's two further lobes, of SGGX mirror flakes and "
             "Henyey-Greenstein layers");
   command
+      .add_option("--stack", line.closed.stack,
+                  "Instead of --model: a stack whose numbers are fitted, a TOML file or a built-in "
+                  "stack")
+      ->transform(named(kAllowedStacks))
+      ->type_name("STACK");
+  command
+      .add_option("--vary", line.closed.vary,
+                  "With --stack, a number that is free, repeatable: layer.N.KEY (N from 0 at the "
+                  "top) or substrate.KEY, =FROM:TO or =FROM:TO:log")
+      ->type_name("PATH=RANGE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
       .add_option("--norm", line.closed.norm,
                   "What is made least: relative RMSE over cells (default), or RMS of ln f")
       ->transform(one_of({"relative", "log"}))
@@ -205,9 +218,10 @@ void define_fit(CommandLine& line) {
                   "Instead: sampling lobes of a closed form with a roughness, as C++")
       ->type_name("NAME[,key=value...]");
   command
-      .add_option("-o,--output", line.options.output,
-                  "Of --model: a FOLDER with the fit and a comparison's page; else a FILE with "
-                  "what was fitted")
+      .add_option(
+          "-o,--output", line.options.output,
+          "Of --model: a FOLDER with the fit and a comparison's page; of --stack: FILE.toml "
+          "for the fitted stack; else a FILE with what was fitted")
       ->transform(named("a folder or file to write"))
       ->type_name("PATH");
   add_pictures(command, line);

@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include "compare/command/command.h"
 #include "compare/command_line/option_definitions.h"
+#include "compare/request/numbers.h"
 
 namespace lamella {
 namespace {
@@ -105,6 +108,65 @@ void define_preview(CommandLine& line) {
   add_output(command, line, "FOLDER", "Folder for EXR and pictures (default ./NAME-preview)");
 }
 
+CLI::Validator stack_design() {
+  return {[](std::string& text) {
+            constexpr std::uint64_t kMost = 1000000;
+            const auto count =
+                text.starts_with("latin:") ? parse_whole_number(text.substr(6)) : std::nullopt;
+            if (count && *count >= 1 && *count <= kMost) return std::string();
+            return fmt::format("found \"{}\"; allowed: latin:N, N from 1 to {}", text, kMost);
+          },
+          ""};
+}
+
+void define_samples(CommandLine& line) {
+  CLI::App& command =
+      line.add("samples", "Walks one by one, as arrays for training",
+               "lamella samples sggx_slab --wi-distribution cosine --walks 1e5 -o walks.npz",
+               [&] { return samples_command(line.options, line.words); });
+  command
+      .add_option("STACK", line.words,
+                  "TOML file, - for stdin, or a built-in stack (lamella stacks); several with "
+                  "--per-bsdf")
+      ->transform(named(kAllowedStacks))
+      ->expected(0, -1);
+  add_incident(command, line);
+  command
+      .add_option("--wi-distribution", line.options.incident_law,
+                  "Every walk draws its w_i over the upper hemisphere: uniformly per solid angle, "
+                  "or by the cosine (instead of --wi)")
+      ->transform(one_of({"uniform", "cosine"}))
+      ->type_name("uniform|cosine");
+  add_walks(command, line, "Walks per incident direction");
+  add_walk_limits(command, line);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+  command.add_flag("--per-bsdf", line.options.per_bsdf,
+                   "A data set: a file per stack in a folder, and an index; the same command goes "
+                   "on where it was stopped");
+  command
+      .add_option("--set", line.options.sets,
+                  "With --per-bsdf, a parameter and its values, repeatable: layer.N.KEY (N from 0 "
+                  "at the top) or substrate.KEY, as in sweep; with --design =FROM:TO, =FROM:TO:log "
+                  "or =A,B,...")
+      ->type_name("PATH=VALUES")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--design", line.options.design,
+                  "With --per-bsdf, N stacks at random over the ranges of --set (a Latin "
+                  "hypercube)")
+      ->transform(stack_design())
+      ->type_name("latin:N");
+  command.add_flag("--lobes", line.options.lobes,
+                   "With --per-bsdf, files of lobes on cells in the place of walks");
+  add_grid(command, line);
+  add_estimator(command, line);
+  add_shard(command, line, "FILE.npz|FOLDER", "The archive to write; with --per-bsdf a folder");
+}
+
 void define_homogenise(CommandLine& line) {
   CLI::App& command =
       line.add("homogenise", "Depth profiles instead of density grids, and the error that makes",
@@ -162,6 +224,7 @@ void define_stack_commands(CommandLine& line) {
   define_furnace(line);
   define_sweep(line);
   define_preview(line);
+  define_samples(line);
   define_homogenise(line);
   define_explain(line);
   define_measure(line);

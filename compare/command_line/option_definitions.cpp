@@ -138,6 +138,12 @@ CLI::Validator output_of(const std::string& type) {
               return fmt::format("found \"{}\"; allowed: {}", text, allowed);
             };
             if (text.empty()) return found("a name");
+            if (type == "FILE.npz|FOLDER" && ending != ".npz") {
+              if (std::filesystem::is_directory(path) ||
+                  (!is_known(ending) && !std::filesystem::is_regular_file(path)))
+                return "";
+              return found("a name that ends in .npz, or a folder");
+            }
             if (type == "FOLDER") {
               if (!is_known(ending) || std::filesystem::exists(path)) return "";
               return found(fmt::format("a folder, whose name does not end in {}", ending));
@@ -149,7 +155,7 @@ CLI::Validator output_of(const std::string& type) {
               return is_known(ending) && ending != ".json" && ending != ".toml" && ending != ".txt"
                          ? found("a name that does not end in " + ending)
                          : "";
-            const std::string own = type.substr(dot);
+            const std::string own = type.substr(dot, type.find('|') - dot);
             return ending == own ? "" : found("a name that ends in " + own);
           },
           ""};
@@ -320,11 +326,7 @@ void add_checkpoint(CLI::App& command, CommandLine& line) {
       ->type_name("S");
 }
 
-void add_run_options(CLI::App& command, CommandLine& line, const std::string& target) {
-  if (target.empty())
-    add_stack(command, line);
-  else
-    command.add_option("TARGET", line.options.stack, target)->transform(named(kAllowedStacks));
+void add_incident(CLI::App& command, CommandLine& line) {
   command
       .add_option("--wi", line.options.incident,
                   "Incident direction THETA[,PHI] in degrees, repeatable; above 90: from below "
@@ -332,6 +334,14 @@ void add_run_options(CLI::App& command, CommandLine& line, const std::string& ta
       ->type_name("THETA[,PHI]")
       ->take_all()
       ->allow_extra_args(false);
+}
+
+void add_run_options(CLI::App& command, CommandLine& line, const std::string& target) {
+  if (target.empty())
+    add_stack(command, line);
+  else
+    command.add_option("TARGET", line.options.stack, target)->transform(named(kAllowedStacks));
+  add_incident(command, line);
   add_walks(command, line, "Walks per incident direction");
   command
       .add_option("--target-error", line.options.target_error,

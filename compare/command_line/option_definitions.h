@@ -34,6 +34,8 @@ void add_estimator(CLI::App& command, CommandLine& line);
 void add_seed(CLI::App& command, CommandLine& line);
 void add_threads(CLI::App& command, CommandLine& line, const std::string& doc = "Threads");
 void add_isa(CLI::App& command, CommandLine& line);
+/// --wi.
+void add_incident(CLI::App& command, CommandLine& line);
 void add_grid(CLI::App& command, CommandLine& line);
 void add_model(CLI::App& command, CommandLine& line, const std::string& doc);
 void add_max_error(CLI::App& command, CommandLine& line);

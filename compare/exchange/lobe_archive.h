@@ -16,13 +16,15 @@ struct NamedArray {
   std::vector<double> values;
 };
 
-/// Lobes as a NumPy archive (.npz, stored): `directions` [n, 3], `mu_edges`, `phi_edges`, `folded`,
-/// "SIDE.NAME" and "SIDE.NAME.se" [direction, mu, phi, channel] in float64, `further` arrays, and
-/// the attributes as texts "attribute.NAME". Equal lobes give equal bytes.
-[[nodiscard]] std::string lobe_npz(const LobeSet& set, const std::vector<NamedArray>& further = {});
+/// Which numbers of lobes an archive has: all in float64; or values in float32, and standard errors
+/// of "all" alone.
+enum class NpzLobes { full, compact };
 
-/// CRC-32 of ISO 3309, which zip archives have.
-[[nodiscard]] std::uint32_t crc32_of(const std::string& bytes);
+/// Lobes as a NumPy archive (.npz, stored): `directions` [n, 3], `mu_edges`, `phi_edges`, `folded`,
+/// "SIDE.NAME" and "SIDE.NAME.se" [direction, mu, phi, channel], `further` arrays in float64, and
+/// the attributes as texts "attribute.NAME". Equal lobes give equal bytes.
+[[nodiscard]] std::string lobe_npz(const LobeSet& set, const std::vector<NamedArray>& further = {},
+                                   NpzLobes form = NpzLobes::full);
 
 /// Lobes as CSV: a row per direction, side, lobe and cell, with its edges (theta_i, phi_i, phi in
 /// degrees), f per channel, and se where it is known.

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "compare/exchange/tensor_container.h"
+#include "compare/files/zip_entries.h"
 
 namespace lamella {
 namespace {
@@ -135,7 +136,7 @@ std::map<std::string, NpzArray> read_npz(const std::string& bytes, const std::st
     (void)in.take(more);
     if (size != whole) in.refuse(fmt::format("a member \"{}\" of two sizes", name));
     const std::string content(in.take(size));
-    if (crc32_of(content) != sum) in.refuse(fmt::format("a damaged member \"{}\"", name));
+    if (checksum(content) != sum) in.refuse(fmt::format("a damaged member \"{}\"", name));
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
     if (!arrays.try_emplace(name, array_of(content, name, file)).second)
       in.refuse(fmt::format("the array \"{}\" twice", name));

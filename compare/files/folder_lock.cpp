@@ -80,4 +80,9 @@ FolderLock::~FolderLock() {
   ::close(descriptor_);
 }
 
+FileLock::FileLock(const std::filesystem::path& file)
+    : FolderLock(file,
+                 file.parent_path() / fmt::format(".{}.lamella-lock", file.filename().string()),
+                 "works on this file", "a file") {}
+
 }  // namespace lamella

@@ -38,9 +38,7 @@ class FolderLock {
 /// The same of a file, which need not exist; its folder does.
 class FileLock : public FolderLock {
  public:
-  explicit FileLock(const std::filesystem::path& file)
-      : FolderLock(file, file.parent_path() / ("." + file.filename().string() + ".lamella-lock"),
-                   "works on this file", "a file") {}
+  explicit FileLock(const std::filesystem::path& file);
 };
 
 }  // namespace lamella

@@ -1,16 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string_view>
 
-namespace lamella {
+#include "compare/files/output_error.h"
 
-/// A file or folder that cannot be written, or read back. what() names the path and the system's
-/// reason.
-struct OutputError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+namespace lamella {
 
 /// Makes a folder with its parents, or takes one that is there. Throws OutputError where it is no
 /// folder, cannot be made or cannot be written to.
@@ -18,6 +13,11 @@ void make_output_folder(const std::filesystem::path& folder);
 
 /// Throws OutputError where write_file would, so that long work does not fail at its end.
 void check_output_file(const std::filesystem::path& path);
+
+/// The file whose name a new one takes in order to be `path`: a symbolic link is followed; empty
+/// for a pipe or a device, which are written to directly. Throws OutputError for what cannot be
+/// written.
+[[nodiscard]] std::filesystem::path written_path(const std::filesystem::path& path);
 
 /// Writes a whole file, text or binary: a reader sees the old content or the new, never a part,
 /// even where the power fails. The bytes go to a temporary name in the same folder, are synced to

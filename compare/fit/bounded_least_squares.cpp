@@ -14,7 +14,8 @@ bool differentiate(const UnitProblem& problem, const double* x, double* jacobian
   const auto rows = static_cast<std::size_t>(problem.residuals);
   std::vector<double> at(x, x + n), above(rows), below(rows);
   for (std::size_t k = 0; k < n; ++k) {
-    const double high = std::min(1.0, x[k] + kUnitStep), low = std::max(0.0, x[k] - kUnitStep);
+    const double high = std::min(1.0, x[k] + problem.step),
+                 low = std::max(0.0, x[k] - problem.step);
     at[k] = high;
     if (!problem.evaluate(at, above)) return false;
     at[k] = low;

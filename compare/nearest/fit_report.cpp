@@ -67,7 +67,7 @@ Json to_json(const FittedNumber& n) {
           {"highest", n.number.high}};
 }
 
-Json to_json(const ModelFit& fit) {
+Json lobes_and_numbers(const ModelFit& fit) {
   Json numbers = Json::array(), lobes = Json::array(), covariance = Json::array();
   for (const FittedNumber& n : fit.numbers) numbers.push_back(to_json(n));
   for (std::size_t k = 0; k < fit.numbers.size(); ++k) {
@@ -99,6 +99,16 @@ Json to_json(const ModelFit& fit) {
           {"iterations", fit.iterations}};
 }
 
+Json to_json(const ModelFit& fit) {
+  Json json = lobes_and_numbers(fit);
+  if (fit.info) return json;
+  // A stack is no model: its file, and how its lobes were found.
+  json.erase("model");
+  json["stack"] = fit.stack;
+  json["lobes_by"] = fit.estimator;
+  return json;
+}
+
 }  // namespace
 
 std::string fit_summary(const TargetTruths& target, const NearestModels& nearest) {
@@ -118,8 +128,12 @@ std::string fit_summary(const TargetTruths& target, const NearestModels& nearest
               : "least: RMS of ln f over cells of equal projected solid angle (\"in ln f\")\n";
   if (target.plan.transmits && !nearest.transmitted)
     text += "transmission is left out (--sides reflect)\n";
+  if (!nearest.fits.front().info)
+    text += wrapped("", fmt::format("lobes of the stack {}: {}", nearest.fits.front().request.name,
+                                    nearest.fits.front().estimator));
   const bool logs = nearest.norm == FitNorm::logarithmic;
-  text += fmt::format("\n  rank {:<28} {}{:>10} {:>10}\n", "model", logs ? " in ln f  " : "",
+  text += fmt::format("\n  rank {:<28} {}{:>10} {:>10}\n",
+                      nearest.fits.front().info ? "model" : "stack", logs ? " in ln f  " : "",
                       "rel. RMSE", "no noise");
   int rank = 0;
   for (const ModelFit& fit : nearest.fits) {
@@ -144,7 +158,11 @@ std::string fit_summary(const TargetTruths& target, const NearestModels& nearest
   text += wrapped("",
                   "+-: one standard deviation, as if what is left over were independent from cell "
                   "to cell; of truth: the part that the truth's own error makes");
-  text += fmt::format("\n--model {}\n", request_text(nearest.fits.front().request));
+  const ModelFit& best = nearest.fits.front();
+  if (best.info)
+    text += fmt::format("\n--model {}\n", request_text(best.request));
+  else
+    text += fmt::format("\n\n{}", best.stack);
   return text;
 }
 

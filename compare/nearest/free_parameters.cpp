@@ -22,9 +22,6 @@ bool is_setting(const std::string& name) {
          name.ends_with("ior");
 }
 
-// A coat's tables take a third of a second for every index and roughness: a fit takes minutes.
-bool is_coat(const std::string& name) { return name == "coated" || name == "openpbr_diffuse"; }
-
 bool has_range(const ParameterInfo& p) {
   const bool kind = p.kind == ParameterKind::number || p.kind == ParameterKind::color ||
                     p.kind == ParameterKind::one_or_two;
@@ -52,6 +49,10 @@ FreeNumber free_number(const ParameterInfo& p, int channel, const Parameters& de
 }
 
 }  // namespace
+
+bool has_coat_tables(const std::string& name) {
+  return name == "coated" || name == "openpbr_diffuse";
+}
 
 double FreeNumber::value(double x) const {
   // Both ends exactly.
@@ -155,8 +156,7 @@ std::vector<ModelRequest> models_to_fit(const std::vector<std::string>& texts) {
       }
       for (const ModelInfo& info : models()) {
         const bool random = find(info.parameters, "walks") != nullptr;
-        if (!info.needs_stack && !random && !is_coat(info.name))
-          requests.push_back({info.name, {}});
+        if (!info.needs_stack && !random) requests.push_back({info.name, {}});
       }
     }
   }

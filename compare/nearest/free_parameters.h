@@ -46,9 +46,12 @@ struct ParametricModel {
 [[nodiscard]] ParametricModel parametric_model(const ModelInfo& info, const ModelRequest& request,
                                                int channels);
 
+/// Whether a closed form has a coat whose albedos are tabulated when it is made.
+[[nodiscard]] bool has_coat_tables(const std::string& name);
+
 /// Models from texts as --model has them: "NAME[,key=value...]"; a name begins the next model, so
 /// that "oren_nayar,eon,roughness=0.5" are two; "all": every built-in closed form that needs no
-/// stack, no random numbers and no tables of a coat. Throws UsageError.
+/// stack and no random numbers. Throws UsageError.
 [[nodiscard]] std::vector<ModelRequest> models_to_fit(const std::vector<std::string>& texts);
 
 }  // namespace lamella

@@ -7,7 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 
+#include "analytic/coated/coat.h"
 #include "compare/fit/bounded_least_squares.h"
 #include "compare/judge/projection.h"
 #include "compare/request/errors.h"
@@ -21,6 +24,7 @@ constexpr double kAtEnd = 1e-7;        // of the range
 constexpr double kNoEffect = 1e-9;     // of the largest column of the Jacobian
 constexpr double kSingular = 1e-5;     // of the largest singular value of scaled columns
 constexpr int kCoarse = 2, kFine = 4;  // points of a cell along each dimension
+constexpr double kCoatStep = 2e-3;     // of derivatives beside tables that are quick
 constexpr int kCorrections = 2;        // of these rules by the exact projection
 
 // A model's residuals in a norm, and what the truth's errors are in their unit.
@@ -94,20 +98,17 @@ std::vector<double> spread_point(int k, std::size_t n) {
 }
 
 // `correction`: what is added to the means, or empty.
-UnitProblem problem_of(const ParametricModel& model, const FitTarget& target,
-                       const Residuals& residuals, const CellPoints& points, Isa isa,
-                       const std::vector<double>& correction) {
+UnitProblem problem_of(const FitSubject& subject, FitPass pass, const FitTarget& target,
+                       const Residuals& residuals, const std::vector<double>& correction) {
   UnitProblem problem;
-  problem.parameters = static_cast<int>(model.free.size());
+  problem.parameters = static_cast<int>(subject.free.size());
   problem.residuals = static_cast<int>(target.value.size());
-  problem.evaluate = [&, isa](std::span<const double> x, std::span<double> out) {
-    try {
-      std::vector<double> means = cell_means(*model.make(x), target, points, isa);
-      for (std::size_t k = 0; k < correction.size(); ++k) means[k] += correction[k];
-      residuals.of(means, out);
-    } catch (const ParameterError&) {
-      return false;
-    }
+  problem.step = subject.step;
+  problem.evaluate = [&, pass](std::span<const double> x, std::span<double> out) {
+    std::optional<std::vector<double>> means = subject.means(x, pass);
+    if (!means) return false;
+    for (std::size_t k = 0; k < correction.size(); ++k) (*means)[k] += correction[k];
+    residuals.of(*means, out);
     return std::all_of(out.begin(), out.end(), [](double r) { return std::isfinite(r); });
   };
   return problem;
@@ -298,22 +299,28 @@ std::string to_text(FreeState state) {
   return "undetermined";
 }
 
-ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNorm norm, Isa isa,
-                   const StopFlag* stop) {
+ModelFit fit_subject(const FitSubject& subject, const FitTarget& given, FitNorm norm,
+                     const StopFlag* stop) {
+  FitTarget target = given;
+  if (!subject.own_error.empty()) {
+    // Errors of both: bounds are small beside the noise of walks, and count as a part of it.
+    target.is_bounded = false;
+    for (std::size_t k = 0; k < target.error.size(); ++k)
+      target.error[k] = std::hypot(target.error[k], subject.own_error[k]);
+  }
   const Residuals residuals(target, norm);
-  const std::size_t n = model.free.size();
-  const CellPoints coarse = cell_points(target, kCoarse), fine = cell_points(target, kFine);
+  const std::size_t n = subject.free.size();
   std::vector<double> nothing, correction;
-  const UnitProblem first = problem_of(model, target, residuals, coarse, isa, nothing);
-  const UnitProblem last = problem_of(model, target, residuals, fine, isa, correction);
+  const UnitProblem first = problem_of(subject, FitPass::coarse, target, residuals, nothing);
+  const UnitProblem last = problem_of(subject, FitPass::fine, target, residuals, correction);
   std::vector<double> scratch(residuals.size());
 
   // Where to begin: the defaults, then the best of the points tried.
   std::vector<std::pair<double, std::vector<double>>> tried;
   std::vector<double> standard;
-  for (const FreeNumber& free : model.free) standard.push_back(free.standard);
+  for (const FreeNumber& free : subject.free) standard.push_back(free.standard);
   const double of_standard = cost_of(first, standard, scratch);
-  for (int k = 0; n > 0 && k < kTried && !is_set(stop); ++k) {
+  for (int k = 0; n > 0 && k < subject.tried && !is_set(stop); ++k) {
     std::vector<double> x = spread_point(k, n);
     const double cost = cost_of(first, x, scratch);
     if (std::isfinite(cost)) tried.emplace_back(cost, std::move(x));
@@ -323,12 +330,12 @@ ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNor
   std::vector<std::vector<double>> starts;
   if (std::isfinite(of_standard)) starts.push_back(standard);
   for (auto& [cost, x] : tried)
-    if (starts.size() < static_cast<std::size_t>(kStarts)) starts.push_back(std::move(x));
+    if (starts.size() < static_cast<std::size_t>(subject.starts)) starts.push_back(std::move(x));
   if (starts.empty())
     throw UsageError(
         fmt::format("fit: {}: no values at any of its parameters; allowed: keys that "
                     "the model takes together",
-                    model.info->name));
+                    subject.name));
 
   const auto stopped = [stop] { return is_set(stop); };
   ModelFit fit;
@@ -351,34 +358,67 @@ ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNor
     fit.agreeing +=
         std::sqrt(cost) <=
         (1 + kAgreement) * std::sqrt(*std::min_element(costs.begin(), costs.end())) + 1e-9;
-  UnitMinimum end =
-      minimum_from(last, best, {.iterations = 40, .tolerance = 1e-10, .stop = stopped});
+  UnitMinimum end = minimum_from(
+      last, best, {.iterations = subject.steps, .tolerance = subject.tolerance, .stop = stopped});
   fit.iterations += end.iterations;
   // What the rule of points misses, at kinks above all, hardly depends on the parameters: found at
   // one place it holds at the next.
   std::vector<double> means;
+  const auto means_at = [&](FitPass pass) {
+    std::optional<std::vector<double>> found = subject.means(end.x, pass);
+    if (!found) throw std::domain_error("the parameters found give no values");
+    return *std::move(found);
+  };
   for (int pass = 0; pass <= kCorrections; ++pass) {
-    const std::unique_ptr<Model> made = model.make(end.x);
-    means = projected_means(*made, *model.info, target);
-    if (pass == kCorrections || n == 0 || stopped()) break;
-    const std::vector<double> ruled = cell_means(*made, target, fine, isa);
+    means = means_at(subject.has_exact ? FitPass::exact : FitPass::fine);
+    if (!subject.has_exact || pass == kCorrections || n == 0 || stopped()) break;
+    const std::vector<double> ruled = means_at(FitPass::fine);
     correction.resize(means.size());
     for (std::size_t k = 0; k < means.size(); ++k) correction[k] = means[k] - ruled[k];
-    end = minimum_from(last, end.x, {.iterations = 20, .tolerance = 1e-10, .stop = stopped});
+    end = minimum_from(
+        last, end.x,
+        {.iterations = subject.steps / 2, .tolerance = subject.tolerance, .stop = stopped});
     fit.iterations += end.iterations;
   }
 
   for (std::size_t k = 0; k < n; ++k) {
     FittedNumber number;
-    number.number = model.free[k];
-    number.value = model.free[k].value(end.x[k]);
+    number.number = subject.free[k];
+    number.value = subject.free[k].value(end.x[k]);
     fit.numbers.push_back(std::move(number));
   }
   add_uncertainty(fit, end, residuals, target.is_bounded);
-  fit.info = model.info;
-  fit.request = request_of(model, model.parameters(end.x));
   add_lobes(fit, target, means);
   fit.misfit = std::sqrt(2 * end.cost);
+  fit.scaled = end.x;
+  return fit;
+}
+
+ModelFit fit_model(const ParametricModel& model, const FitTarget& target, FitNorm norm, Isa isa,
+                   const StopFlag* stop) {
+  const CellPoints coarse = cell_points(target, kCoarse), fine = cell_points(target, kFine);
+  FitSubject subject{.name = model.info->name,
+                     .free = model.free,
+                     .means = {},
+                     .step = has_coat_tables(model.info->name) ? kCoatStep : kUnitStep,
+                     .starts = kStarts,
+                     .tried = kTried};
+  subject.means = [&](std::span<const double> x,
+                      FitPass pass) -> std::optional<std::vector<double>> {
+    try {
+      // Searches have a coat's tables quickly; what that misses the exact projection corrects.
+      std::optional<QuickCoats> quick;
+      if (pass != FitPass::exact) quick.emplace();
+      const std::unique_ptr<Model> made = model.make(x);
+      if (pass == FitPass::exact) return projected_means(*made, *model.info, target);
+      return cell_means(*made, target, pass == FitPass::fine ? fine : coarse, isa);
+    } catch (const ParameterError&) {
+      return std::nullopt;
+    }
+  };
+  ModelFit fit = fit_subject(subject, target, norm, stop);
+  fit.info = model.info;
+  fit.request = request_of(model, model.parameters(fit.scaled));
   return fit;
 }
 

@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "compare/nearest/fit_target.h"
-#include "compare/nearest/free_parameters.h"
+#include "compare/nearest/fit_subject.h"
 #include "compare/request/interrupt.h"
 
 namespace lamella {
@@ -57,9 +56,10 @@ struct FittedLobe {
 };
 
 struct ModelFit {
-  const ModelInfo* info = nullptr;
-  ModelRequest request;  ///< complete, six digits; sources: "given", "fitted", "default"
+  const ModelInfo* info = nullptr;  ///< none: a stack was fitted
+  ModelRequest request;             ///< complete, six digits; sources: "given", "fitted", "default"
   std::vector<FittedNumber> numbers;
+  std::vector<double> scaled;      ///< the same, scaled to [0, 1]
   std::vector<double> covariance;  ///< [number][number], as deviation; 0 where one is not `found`
   std::vector<FittedLobe> lobes;
   double misfit = 0;         ///< in the norm that was made least
@@ -68,7 +68,14 @@ struct ModelFit {
   double relative_rmse_without_noise = 0;
   int starts = 0, agreeing = 0;  ///< searches, and those that ended at the same misfit
   int iterations = 0;
+  std::string stack{};  ///< the fitted stack's file, and by what its lobes were found
+  std::string estimator{};
 };
+
+/// The least of the subject's searches, without `info`, `request` and what is said of stacks.
+/// Throws UsageError where the subject has no values at all.
+[[nodiscard]] ModelFit fit_subject(const FitSubject& subject, const FitTarget& target, FitNorm norm,
+                                   const StopFlag* stop);
 
 /// The least of kStarts searches: from the model's defaults, and from those of kTried points,
 /// spread evenly over the ranges, that are nearest. Each search asks for 2 x 2 points in a cell;

@@ -92,6 +92,17 @@ TruthRequest truth_request(const Options& options, const Stack& stack) {
   return request;
 }
 
+IncidentLaw incident_law_of(const Options& options) {
+  if (options.incident_law.empty()) return IncidentLaw::fixed;
+  if (!options.incident.empty())
+    throw UsageError(
+        "--wi-distribution: found --wi beside it; allowed: one of them, as w_i is drawn or given");
+  if (options.incident_law == "uniform") return IncidentLaw::uniform;
+  if (options.incident_law == "cosine") return IncidentLaw::cosine;
+  throw UsageError(fmt::format("--wi-distribution: found \"{}\"; allowed: uniform, cosine",
+                               options.incident_law));
+}
+
 std::vector<ModelRequest> model_requests(const Options& options) {
   std::vector<ModelRequest> requests;
   for (const std::string& text : options.models) requests.push_back(parse_model_request(text));

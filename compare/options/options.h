@@ -7,6 +7,7 @@
 
 #include "compare/request/model_request.h"
 #include "compare/request/truth_request.h"
+#include "volume/walk/incident_law.h"
 
 namespace lamella {
 
@@ -15,6 +16,7 @@ namespace lamella {
 struct Options {
   std::string stack{};                  ///< name, file or "-"; empty: the default stack
   std::vector<std::string> incident{};  ///< THETA[,PHI] in degrees
+  std::string incident_law{};           ///< of samples: uniform or cosine; empty: `incident`
   std::uint64_t walks = 1000000;
   std::optional<double> target_error{}, seconds{};
   std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
@@ -43,6 +45,9 @@ struct Options {
   bool preview = false;                                  ///< compare: with a preview
   std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
   std::string of = "compare";                            ///< of sweep: compare or furnace
+  bool per_bsdf = false;                                 ///< of samples: a file per stack
+  bool lobes = false;                                    ///< of samples: cells, not walks
+  std::string design{};                                  ///< of samples: latin:N; empty: a grid
   std::string medium = "vmf_flake";                      ///< that stands for explicit geometry
   bool medium_given = false, walks_given = false;
   std::string shard{};                       ///< I/N; empty: the whole run
@@ -64,6 +69,8 @@ struct Options {
 [[nodiscard]] Isa isa_of(const Options& options);
 /// The truth of a stack, as it was asked for. Throws UsageError where an option does not suit it.
 [[nodiscard]] TruthRequest truth_request(const Options& options, const Stack& stack);
+/// --wi-distribution. Throws UsageError beside --wi, and for words that are none.
+[[nodiscard]] IncidentLaw incident_law_of(const Options& options);
 /// Each --model.
 [[nodiscard]] std::vector<ModelRequest> model_requests(const Options& options);
 

@@ -20,6 +20,7 @@ constexpr std::size_t kMostTexts = 100000;
 template <class Io, class AnyOptions>
 void each_setting(Io& io, AnyOptions& o) {
   io("incident", o.incident);
+  io("incident_law", o.incident_law);
   io("walks", o.walks);
   io("target_error", o.target_error);
   io("time", o.seconds);
@@ -39,6 +40,8 @@ void each_setting(Io& io, AnyOptions& o) {
   io("size", o.size);
   io("sets", o.sets);
   io("of", o.of);
+  io("lobes", o.lobes);
+  io("design", o.design);
 }
 
 struct Write {

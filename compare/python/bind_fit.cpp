@@ -7,6 +7,7 @@
 
 #include "compare/fit/least_squares.h"
 #include "compare/nearest/nearest_models.h"
+#include "compare/nearest/stack_fit.h"
 #include "compare/python/bindings.h"
 #include "compare/python/bound_model.h"
 #include "compare/python/keyword_options.h"
@@ -104,6 +105,34 @@ py::tuple fit(const py::object& target, const std::vector<py::object>& models,
   return py::make_tuple(std::move(fits), end.warnings);
 }
 
+// The numbers of a stack instead of models; the target is a Stack, Lobes or a Model.
+py::tuple fit_stack(const py::object& target, const Stack& stack,
+                    const std::vector<std::string>& vary, const std::string& norm,
+                    const std::string& sides, const py::dict& keywords, const py::object& show) {
+  require_least_squares();
+  const Options options = options_of(keywords);
+  (void)parametric_stack(stack, vary, 1);
+  auto fits = std::make_unique<PythonFits>();
+  const PythonLobes* lobes =
+      py::isinstance<PythonLobes>(target) ? py::cast<const PythonLobes*>(target) : nullptr;
+  if (py::isinstance<PythonModel>(target))
+    fits->given = py::cast<std::shared_ptr<PythonModel>>(target);
+  const Stack* of = !lobes && !fits->given ? &py::cast<const Stack&>(target) : nullptr;
+  Options how = options;
+  how.incident.clear();
+  const TruthRequest request = truth_request(how, stack);
+  WorkEnd end = do_work(options.threads, show, [&](const RunMonitor& monitor) {
+    fits->inputs = InputFiles(of ? *of : Stack{});
+    fits->target = target_of(lobes, fits->given.get(), of, options, monitor);
+    fits->nearest =
+        nearest_stack(fits->target, parametric_stack(stack, vary, fits->target.plan.channels),
+                      request, norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
+                      sides == "reflect" ? FitSides::reflect : FitSides::all, monitor);
+    fits->inputs.check();
+  });
+  return py::make_tuple(std::move(fits), end.warnings);
+}
+
 // The models as they came out, judged by the target.
 std::unique_ptr<PythonReport> report_of(const PythonFits& fits) {
   auto report = std::make_unique<PythonReport>();
@@ -128,6 +157,7 @@ void bind_fit(py::module_& m) {
                              [](const PythonFits& f) { return f.nearest.interrupted; })
       .def("report", &report_of);
   m.def("fit", &fit);
+  m.def("fit_stack", &fit_stack);
 }
 
 }  // namespace lamella

@@ -13,6 +13,7 @@ void bind_stack(pybind11::module_& m);
 void bind_model(pybind11::module_& m);
 void bind_lobes(pybind11::module_& m);
 void bind_truth(pybind11::module_& m);
+void bind_samples(pybind11::module_& m);
 void bind_report(pybind11::module_& m);
 void bind_furnace(pybind11::module_& m);
 void bind_formats(pybind11::module_& m);

@@ -9,6 +9,7 @@ PYBIND11_MODULE(_core, m) {
   lamella::bind_model(m);
   lamella::bind_lobes(m);
   lamella::bind_truth(m);
+  lamella::bind_samples(m);
   lamella::bind_report(m);
   lamella::bind_furnace(m);
   lamella::bind_formats(m);

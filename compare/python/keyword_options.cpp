@@ -83,6 +83,8 @@ Options options_of(const py::dict& keywords) {
       for (const py::handle& entry : py::reinterpret_borrow<py::sequence>(value))
         options.incident.push_back(angle_text(entry));
       if (options.incident.empty()) refuse("--wi", value, "one direction or more");
+    } else if (name == "distribution") {
+      options.incident_law = text_of(value);
     } else if (name == "walks") {
       options.walks = whole("--walks", value, kBatches, 1000000000000000);
       options.walks_given = true;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -42,7 +43,8 @@ std::vector<Part> parts_of(const std::string& toml) {
   return parts;
 }
 
-Part& part_of(std::vector<Part>& parts, const Stack& stack, const std::string& path) {
+Part& part_of(std::vector<Part>& parts, const Stack& stack, const std::string& path,
+              const std::string& option) {
   const std::vector<std::string> words = split_text(path, '.');
   if (words.size() == 3 && words[0] == "layer") {
     const auto index = parse_whole_number(words[1]);
@@ -51,8 +53,8 @@ Part& part_of(std::vector<Part>& parts, const Stack& stack, const std::string& p
     return parts.back();
   }
   throw UsageError(
-      fmt::format("--set: found the path \"{}\"; allowed: layer.0 to layer.{}{}, followed by .KEY",
-                  path, stack.layers.size() - 1, stack.substrate ? ", substrate" : ""));
+      fmt::format("{}: found the path \"{}\"; allowed: layer.0 to layer.{}{}, followed by .KEY",
+                  option, path, stack.layers.size() - 1, stack.substrate ? ", substrate" : ""));
 }
 
 }  // namespace
@@ -91,11 +93,19 @@ SweepAxis parse_sweep_axis(const std::string& text) {
 
 std::string with_values(const Stack& stack, const std::vector<SweepAxis>& axes,
                         const std::vector<std::size_t>& at) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (std::size_t a = 0; a < axes.size(); ++a)
+    texts.emplace_back(axes[a].path, to_text(axes[a].values[at[a]]));
+  return with_texts(stack, texts);
+}
+
+std::string with_texts(const Stack& stack,
+                       const std::vector<std::pair<std::string, std::string>>& texts,
+                       const std::string& option) {
   std::vector<Part> parts = parts_of(to_toml(stack));
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    Part& part = part_of(parts, stack, axes[a].path);
-    const std::string key = axes[a].path.substr(axes[a].path.rfind('.') + 1);
-    const std::string value = to_text(axes[a].values[at[a]]);
+  for (const auto& [path, value] : texts) {
+    Part& part = part_of(parts, stack, path, option);
+    const std::string key = path.substr(path.rfind('.') + 1);
     // Two names of one quantity: what is set replaces the other.
     const std::string other = key == "roughness" ? "alpha" : key == "alpha" ? "roughness" : "";
     std::erase_if(part.lines, [&](const auto& line) { return line.first == other; });
@@ -113,6 +123,15 @@ std::string with_values(const Stack& stack, const std::vector<SweepAxis>& axes,
     text += "\n";
   }
   return text;
+}
+
+std::optional<std::string> text_at(const Stack& stack, const std::string& path,
+                                   const std::string& option) {
+  std::vector<Part> parts = parts_of(to_toml(stack));
+  const std::string key = path.substr(path.rfind('.') + 1);
+  for (const auto& [name, value] : part_of(parts, stack, path, option).lines)
+    if (name == key) return value;
+  return std::nullopt;
 }
 
 }  // namespace lamella

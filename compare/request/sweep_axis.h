@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "phase/stack/stack.h"
@@ -22,5 +24,15 @@ struct SweepAxis {
 /// is allowed is for the stack's reader to say.
 [[nodiscard]] std::string with_values(const Stack& stack, const std::vector<SweepAxis>& axes,
                                       const std::vector<std::size_t>& at);
+
+/// The same with texts of TOML, "0.5" or "[1, 0.5, 0.2]", by their paths. `option`: the option that
+/// an error names.
+[[nodiscard]] std::string with_texts(const Stack& stack,
+                                     const std::vector<std::pair<std::string, std::string>>& texts,
+                                     const std::string& option = "--set");
+/// The text of a key in the stack's file; nothing where it is left out. Throws UsageError for a
+/// path that leads to no part of the stack.
+[[nodiscard]] std::optional<std::string> text_at(const Stack& stack, const std::string& path,
+                                                 const std::string& option = "--set");
 
 }  // namespace lamella

@@ -4,7 +4,7 @@ import subprocess
 
 from lamella_program import LIMIT, PROGRAM, WITH_CERES, ProgramTest
 
-COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "check", "fit", "invert", "eval", "bench", "sweep",
+COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "check", "fit", "invert", "eval", "bench", "sweep", "samples",
             "preview", "show", "rerun", "completion", "man", "explain", "models", "media", "stacks",
             "grid", "export", "import", "merge", "library", "scaling", "homogenise", "measure", "reproduce", "accuracy"]
 

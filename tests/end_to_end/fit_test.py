@@ -37,6 +37,15 @@ class FitsOfModels(ProgramTest):
         self.assertEqual(again, [l["relative_rmse"] for l in lobes])
         self.assertIn("<html", (self.folder / "sand/report.html").read_text())
 
+    def test_find_the_parameters_of_a_coat_by_quick_tables(self):
+        answer = self.json_of("fit", "coated,base=lambert,base.albedo=0.6,roughness=0.3", "--model",
+                              "coated,base=lambert,color=1", "--grid", "8x16", "--wi", "20", "--wi", "60", "--quiet")
+        found = {p["name"]: p["value"] for p in answer["models"][0]["parameters"]}
+        # Exact tables correct the answer: what is left is the projection's 1e-4.
+        self.assertAlmostEqual(found["roughness"], 0.3, delta=1e-3)
+        self.assertAlmostEqual(found["base.albedo"], 0.6, delta=1e-3)
+        self.assertLess(answer["models"][0]["relative_rmse"], 1e-3)
+
     def test_equal_commands_give_equal_answers(self):
         words = ["fit", "lambert_sphere,albedo=0.9,0.6,0.3", "--model", "eon", "--norm", "log", "--grid", "6x8", "--quiet"]
         one, two = (self.json_of(*words, "--threads", str(n)) for n in (1, 2))
@@ -87,3 +96,63 @@ class FitsOfModels(ProgramTest):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+@unittest.skipUnless(WITH_CERES, "built without Ceres")
+class FitsOfStacks(ProgramTest):
+    SPHERES = ('[[layer]]\nmedium = "lambert_sphere"\nalbedo = %s\nthickness = %g\n\n'
+               '[substrate]\nbsdf = "lambert"\nalbedo = 0.3\n')
+    VARY = ["--vary", "layer.0.albedo=0:1", "--vary", "layer.0.thickness=0.1:5:log"]
+    SHORT = ["--wi", "10", "--wi", "60", "--grid", "4x8", "--quiet"]
+
+    def values(self, answer):
+        return {p["name"]: p["value"] for p in answer["models"][0]["parameters"]}
+
+    def test_find_a_stacks_own_numbers_by_the_solver(self):
+        self.write("truth.toml", self.SPHERES % ("[0.9, 0.6, 0.3]", 0.7))
+        self.write("start.toml", self.SPHERES % ("0.5", 2))
+        answer = self.json_of("fit", "truth.toml", "--stack", "start.toml", *self.VARY, *self.SHORT, "-o", "found.toml")
+        fit = answer["models"][0]
+        found = self.values(answer)
+        # The solver's tolerance is 1e-4 of f, and f changes about as much as these numbers do.
+        for name, value in (("layer.0.albedo.r", 0.9), ("layer.0.albedo.g", 0.6), ("layer.0.albedo.b", 0.3),
+                            ("layer.0.thickness", 0.7)):
+            self.assertAlmostEqual(found[name], value, delta=2e-3)
+        self.assertLess(fit["relative_rmse"], 1e-3)
+        self.assertIn("solved with", fit["lobes_by"])
+        text = (self.folder / "found.toml").read_text()
+        self.assertEqual(text, fit["stack"])
+        lobes = self.json_of("simulate", "found.toml", "--wi", "60", "--quiet")
+        truth = self.json_of("simulate", "truth.toml", "--wi", "60", "--quiet")
+        for a, b in zip(*(run["runs"][0]["reflected"]["total"] for run in (lobes, truth))):
+            self.assertAlmostEqual(a, b, delta=1e-3)
+
+    def test_find_them_by_walks_with_the_same_numbers_at_every_step(self):
+        self.write("truth.toml", self.SPHERES % ("0.8", 0.7))
+        words = ["fit", "truth.toml", "--stack", "truth.toml", "--vary", "layer.0.albedo=0.1:1", *self.SHORT]
+        answer = self.json_of(*words, "--walks", "2e4", "--seed", "3")
+        fit = answer["models"][0]
+        # Truth and stack have the same seed and walks: what is left over is nothing.
+        self.assertAlmostEqual(self.values(answer)["layer.0.albedo"], 0.8, delta=2e-3)
+        self.assertIn("20000 walks per direction with the same random numbers", fit["lobes_by"])
+        self.assertGreater(fit["noise"], 0)
+
+    def test_answer_a_material_and_closed_forms(self):
+        # Lambert's law of albedo 0.4 below spheres that are as good as not there.
+        answer = self.json_of("fit", "lambert,albedo=0.4", "--stack", self.write(
+            "thin.toml", self.SPHERES % ("0.5", 1e-6)), "--vary", "substrate.albedo=0.1:0.9", *self.SHORT)
+        self.assertAlmostEqual(self.values(answer)["substrate.albedo"], 0.4, delta=1e-3)
+
+    def test_say_what_is_wrong_in_a_line(self):
+        for words, text in ((["--vary", "layer.0.albedo=0:1"], "--stack"),
+                            (["--stack", "sggx_slab"], "--vary"),
+                            (["--stack", "sggx_slab", "--model", "eon", "--vary", "layer.0.albedo=0:1"], "--model"),
+                            (["--stack", "sggx_slab", "--vary", "layer.0.albedo=1:0"], "FROM:TO"),
+                            (["--stack", "sggx_slab", "--vary", "layer.0.albedo=0:2"], "albedo"),
+                            (["--stack", "sggx_slab", "--vary", "layer.3.albedo=0:1"], "layer.3.albedo"),
+                            (["--stack", "sggx_slab", "--vary", "layer.0.albedo=0:1", "--vary",
+                              "layer.0.albedo=0:1"], "twice"),
+                            (["--stack", "sggx_slab", "--vary", "layer.0.albedo=0:1", "-o", "x.txt"], ".toml")):
+            answer = self.lamella("fit", "vmf_sand", *words, status=2)
+            self.assertEqual(answer.err.count("\n"), 1, str(answer))
+            self.assertIn(text, answer.err)

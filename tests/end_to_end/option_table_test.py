@@ -29,6 +29,8 @@ WRONG = {
     "FILE.exr": ["", "none/x.exr", "folder.exr", "x.png", "x"],
     "FILE.vdb": ["", "none/x.vdb", "folder.vdb", "x.png"],
     "FILE.toml": ["", "none/x.toml", "folder.toml", "x.png"],
+    "FILE.npz|FOLDER": ["", "none/x.npz", "x.png", "file"],
+    "latin:N": ["", "latin", "latin:", "latin:0", "latin:x", "sobol:4", "latin:1e9"],
     "FILE.html": ["", "none/x.html", "folder.html", "x.png"],
     "JSON": ["", "none.json", "folder", "file", "pairs.csv"],
     "FILE.csv": ["", "none/x.csv", "folder", "x.png", "x"],
@@ -45,6 +47,8 @@ WRONG = {
     "PATH=VALUES": ["", "x", "layer.0.albedo", "layer.9.albedo=0.5", "layer.0.nonsense=1", "layer.0.albedo=x",
                     "layer.0.albedo=0:1", "layer.0.albedo=0:1:0", "layer.0.albedo=2", "=1",
                     "layer.0.albedo=0:1:3:log", "substrate.albedo=0.5", "layer.x.albedo=1"],
+    "STACK": ["", "nonsense", "none.toml", "folder"],
+    "PATH=RANGE": ["", "x", "layer.0.albedo", "layer.0.albedo=0.5", "layer.0.albedo=0:1:3", "=0:1"],
     "uniform|FILE.exr": ["", "none.exr", "folder", "file"],
     "png,svg,pdf": ["", "gif", "png,gif"],
 }
@@ -126,7 +130,7 @@ class EveryOption(ProgramTest):
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), self.there)
 
     def test_texts_that_are_empty_are_no_default(self):
-        for command in ("simulate", "compare", "furnace", "preview", "explain", "measure", "homogenise", "show",
+        for command in ("simulate", "compare", "furnace", "preview", "samples", "explain", "measure", "homogenise", "show",
                         "rerun", "models", "media", "stacks", "grid", "reproduce"):
             self.refused(command, "", parts=['found ""'])
         self.refused("sweep", "", "--set", "layer.0.albedo=0.5", parts=['STACK: found ""'])

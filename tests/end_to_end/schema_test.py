@@ -59,6 +59,13 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
             self.assertAlmostEqual(energy, 0.5, delta=0.005)
         self.json_of("compare", "a.bsdf", "--model", "lambert", "--grid", "4x8", "--wi", "30", "--quiet")
 
+    def test_samples_and_sets_of_them(self):
+        walks = self.json_of("samples", "vmf_sand", "--wi", "30", "--walks", "200", "-o", "walks.npz")
+        self.assertEqual(walks["walks"], 200)
+        index = self.json_of("samples", "vmf_sand", "--per-bsdf", "--set", "layer.0.roughness=0.2,0.4", "--wi", "30",
+                             "--walks", "200", "-o", "set")
+        self.assertEqual(index["done"], 2)
+
     def test_a_half_space_is_written_as_the_string_inf(self):
         stack = self.json_of("simulate", "lambert_sphere_halfspace", *QUICK)["stack"]
         self.assertEqual(stack["layer"][0]["thickness"], "inf")

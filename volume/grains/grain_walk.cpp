@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "phase/math/sampling.h"
 #include "phase/surface/fresnel.h"
+#include "volume/walk/departures.h"
 #include "volume/walk/path_weight.h"
 #include "volume/walk/walk.h"
 
@@ -73,6 +75,9 @@ class Walker {
 
   void walk(std::uint64_t index);
 
+  /// From here on what leaves is kept.
+  void keep(WalkSamples& samples) { kept_.emplace(setting_.incident, samples); }
+
  private:
   [[nodiscard]] bool survives(const Weights& kept, RandomStream& stream) {
     return weight_.survives(kept, order_, tally_.energy, stream);
@@ -93,6 +98,7 @@ class Walker {
   const CellTargets& targets_;
   BatchTally& tally_;
   std::vector<Direction> directions_;
+  std::optional<DepartureScorer> kept_;
   std::unique_ptr<GrainScene> scene_;
   std::uint64_t realisation_ = 0;
   double cosine_ = 1, sine_ = 0;
@@ -231,6 +237,7 @@ void Walker<C>::walk(std::uint64_t index) {
     }
     if (hit.end == RayEnd::up || (hit.end == RayEnd::down && !setting_.has_substrate)) {
       weight_.leave(energy, hit.end == RayEnd::down, order_, false);
+      if (kept_) kept_->departs(turned(-wi_, cosine_, -sine_), weight_.value, order_, order_ == 0);
       if (order_ > 0) leave(turned(-wi_, cosine_, -sine_), after_mirror_);
       break;
     }
@@ -292,6 +299,29 @@ void walk_among_grains(const GrainSetting& setting, GrainScores scores, const Ce
   walker.leave_realisation();
 }
 
+template <int C>
+WalkSamples samples_among_grains(const GrainSetting& setting, int batch, int batches,
+                                 std::uint64_t from, std::uint64_t to) {
+  WalkSamples samples;
+  samples.channels = C;
+  samples.walks = to - from;
+  BatchTally spare;
+  const CellTargets none;
+  const std::vector<Direction> no_points;
+  Walker<C> walker(setting, GrainScores::nothing, none, no_points, spare);
+  walker.keep(samples);
+  for (std::uint64_t i = from; i < to; ++i) {
+    walker.enter_realisation(i / setting.walks_per_realisation * batches + batch);
+    walker.walk(i * batches + batch);
+  }
+  walker.leave_realisation();
+  return samples;
+}
+
+template WalkSamples samples_among_grains<1>(const GrainSetting&, int, int, std::uint64_t,
+                                             std::uint64_t);
+template WalkSamples samples_among_grains<3>(const GrainSetting&, int, int, std::uint64_t,
+                                             std::uint64_t);
 template void walk_among_grains<1>(const GrainSetting&, GrainScores, const CellTargets&,
                                    const std::vector<Direction>&, int, int, std::uint64_t,
                                    std::uint64_t, BatchTally&);

@@ -10,6 +10,8 @@
 
 namespace lamella {
 
+struct WalkSamples;
+
 /// The counts of walks among grains, beside the energies.
 enum class GrainScores {
   nothing,
@@ -53,5 +55,10 @@ template <int C>
 void walk_among_grains(const GrainSetting& setting, GrainScores scores, const CellTargets& targets,
                        const std::vector<Direction>& points, int batch, int batches,
                        std::uint64_t from, std::uint64_t to, BatchTally& tally);
+
+/// The same walks one by one: what leaves.
+template <int C>
+[[nodiscard]] WalkSamples samples_among_grains(const GrainSetting& setting, int batch, int batches,
+                                               std::uint64_t from, std::uint64_t to);
 
 }  // namespace lamella

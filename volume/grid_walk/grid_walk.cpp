@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "volume/grid_walk/grid_march.h"
-#include "volume/result/tally.h"
 #include "volume/walk/path_weight.h"
 #include "volume/walk/walk.h"
 
@@ -128,6 +127,15 @@ struct GridAnalogScorer {
     analog.leave(wo, weight, order, delta);
   }
   [[nodiscard]] bool finite() const { return true; }
+};
+
+// Keeps what leaves.
+template <int C>
+struct GridDepartures : DepartureScorer {
+  using DepartureScorer::DepartureScorer;
+  template <class Event>
+  void event(const Place&, const Event&, const std::array<double, C>&, const GridWalkLayer*,
+             const std::array<double, C>&, std::uint64_t, RandomStream&) {}
 };
 
 template <int C>
@@ -274,6 +282,7 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
     const bool collides = flight.end == Flight::collided;
     if (!endless && !collides && !(down && stack.has_substrate)) {  // leaves the stack
       weight.leave(energy, down, order, only_delta);
+      tell_departure(scorer, -wi, weight.value, order, only_delta);
       if (!only_delta) scorer.leave(-wi, weight.value, order, last_delta);
       break;
     }
@@ -360,18 +369,32 @@ RunBatch runner_of(const std::shared_ptr<const GridWalkStack>& stack, Direction 
 
 }  // namespace
 
+void check_beside_grids(const char* what, Direction w) {
+  if (std::abs(w.z) < kGridGrazing)
+    throw std::invalid_argument(
+        fmt::format("{}: found mu = {:.3g} on a stack with a density grid; allowed: |mu| >= {}",
+                    what, w.z == kGrazingLimit ? 0 : w.z, kGridGrazing));
+}
+
+FollowWalk grid_follower(const Stack& stack, const Plan& plan, std::uint64_t seed) {
+  const auto walked = std::make_shared<const GridWalkStack>(stack, plan);
+  const auto with = [&]<int C>(std::integral_constant<int, C>) -> FollowWalk {
+    return [walked, seed](Direction wi, std::uint64_t index, WalkSamples& to) {
+      GridDepartures<C> scorer(wi, to);
+      BatchTally spare;
+      walk_in_grids<C>(*walked, wi, seed, index, scorer, spare);
+    };
+  };
+  return plan.channels == 1 ? with(std::integral_constant<int, 1>())
+                            : with(std::integral_constant<int, 3>());
+}
+
 RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                      Estimator estimator, const CellTargets& targets,
                      const std::vector<Direction>* points, std::vector<BatchTally>& batches) {
-  const auto check = [](const char* what, Direction w) {
-    if (std::abs(w.z) < kGridGrazing)
-      throw std::invalid_argument(
-          fmt::format("{}: found mu = {:.3g} on a stack with a density grid; allowed: |mu| >= {}",
-                      what, w.z == kGrazingLimit ? 0 : w.z, kGridGrazing));
-  };
-  check("w_i", incident);
+  check_beside_grids("w_i", incident);
   if (points)
-    for (const Direction& wo : *points) check("w_o", wo);
+    for (const Direction& wo : *points) check_beside_grids("w_o", wo);
   const auto walked = std::make_shared<const GridWalkStack>(stack, plan);
   return plan.channels == 1
              ? runner_of<1>(walked, incident, seed, estimator, targets, points, batches)

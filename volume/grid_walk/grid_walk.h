@@ -8,6 +8,7 @@
 #include "volume/result/estimator.h"
 #include "volume/result/tally.h"
 #include "volume/voxels/density_grid.h"
+#include "volume/walk/departures.h"
 #include "volume/walk/scorers.h"
 #include "volume/walk/walk_batches.h"
 
@@ -51,5 +52,11 @@ struct GridWalkStack {
                                    std::uint64_t seed, Estimator estimator,
                                    const CellTargets& targets, const std::vector<Direction>* points,
                                    std::vector<BatchTally>& batches);
+
+/// Throws std::invalid_argument, with the direction's name `what`, for |mu| below kGridGrazing.
+void check_beside_grids(const char* what, Direction w);
+
+/// The same walks, one by one; |mu| of w_i is at least kGridGrazing.
+[[nodiscard]] FollowWalk grid_follower(const Stack& stack, const Plan& plan, std::uint64_t seed);
 
 }  // namespace lamella

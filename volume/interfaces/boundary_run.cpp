@@ -42,4 +42,17 @@ RunBatch boundary_runner(const Stack& stack, const Plan& plan, Direction inciden
              : runner_of<3>(shared, incident, seed, estimator, targets, points, batches);
 }
 
+FollowWalk boundary_follower(const Stack& stack, const Plan& plan, std::uint64_t seed) {
+  const auto shared = std::make_shared<const BoundaryStack>(stack, plan);
+  const auto with = [&]<int C>(std::integral_constant<int, C>) -> FollowWalk {
+    return [shared, seed](Direction wi, std::uint64_t index, WalkSamples& to) {
+      UnaimedAtBoundaries<DepartureScorer> scorer(wi, to);
+      BatchTally spare;
+      walk_through_boundaries<C>(*shared, wi, seed, index, scorer, spare);
+    };
+  };
+  return plan.channels == 1 ? with(std::integral_constant<int, 1>())
+                            : with(std::integral_constant<int, 3>());
+}
+
 }  // namespace lamella

@@ -6,6 +6,7 @@
 #include "volume/plan/plan.h"
 #include "volume/result/estimator.h"
 #include "volume/result/tally.h"
+#include "volume/walk/departures.h"
 #include "volume/walk/scorers.h"
 #include "volume/walk/walk_batches.h"
 
@@ -19,5 +20,9 @@ namespace lamella {
                                        const CellTargets& targets,
                                        const std::vector<Direction>* points,
                                        std::vector<BatchTally>& batches);
+
+/// The same walks, one by one.
+[[nodiscard]] FollowWalk boundary_follower(const Stack& stack, const Plan& plan,
+                                           std::uint64_t seed);
 
 }  // namespace lamella

@@ -2,6 +2,7 @@
 
 #include "volume/interfaces/boundary_stack.h"
 #include "volume/walk/path_weight.h"
+#include "volume/walk/walk.h"
 
 namespace lamella {
 
@@ -112,6 +113,7 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
     if (layer < 0 || layer >= n) {
       const bool down = wi.z > 0;
       boundary_detail::leave(weight, energy, down, down == (incident.z > 0), order, met.only_delta);
+      tell_departure(scorer, -wi, weight.value, order, met.only_delta);
       if (!met.only_delta) scorer.leave(-wi, weight.value, order, met.open);
       break;
     }

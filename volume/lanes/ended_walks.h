@@ -42,6 +42,8 @@ struct EndedWalks {
 
   [[gnu::noinline]] void count_all(const LaneWalkTask& t) {
     told += static_cast<std::uint64_t>(size);
+    if constexpr (kIndex)
+      if (t.estimate == LaneEstimate::walk_by_walk) return record_all(t);
     const bool thins = t.walk.thinned_from > 0;
     const bool cells = counts_in_cells<kBounded>(t);
     const bool weighs = t.weighs();
@@ -64,15 +66,7 @@ struct EndedWalks {
         const WordMask gone = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
         of.end = select(gone & halves, Words(static_cast<std::uint32_t>(WalkEnd::thinned)), of.end);
       }
-      if constexpr (kBounded) {
-        const WordMask straight =
-            bit(kMetDeltasBit) & equal(of.order, Words(0u)) &
-            is_below(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
-        of.end = select(straight, of.end + Words(static_cast<std::uint32_t>(kDeltaRow)), of.end);
-        of.end = select(bit(kLostBit), Words(static_cast<std::uint32_t>(kLostRow)), of.end);
-        of.end =
-            select(bit(kCutBit), Words(static_cast<std::uint32_t>(WalkEnd::unresolved)), of.end);
-      }
+      if constexpr (kBounded) to_boundary_rows(met, of);
       const Words at = of.end * Words(kRouletteOrder + 1) + min(of.order, Words(kRouletteOrder));
       if (!cells || weighs || thins) at.store(place_of + k);
       if (weighs) min(of.order, Words(t.order_cap)).store(order_of + k);
@@ -102,6 +96,52 @@ struct EndedWalks {
  private:
   alignas(64) std::uint32_t place_of[kRoom], target_of[kRoom], order_of[kRoom],
       spared_of_walk[kRoom];
+
+  // Rows of walks through boundaries.
+  LAMELLA_INLINE static void to_boundary_rows(Words met, LaneEnd<Words>& of) {
+    const auto bit = [&](std::uint32_t value)
+                         LAMELLA_INLINE_LAMBDA { return !equal(met & Words(value), Words(0u)); };
+    const WordMask straight =
+        bit(kMetDeltasBit) & equal(of.order, Words(0u)) &
+        is_below(of.end, Words(static_cast<std::uint32_t>(WalkEnd::absorbed)));
+    of.end = select(straight, of.end + Words(static_cast<std::uint32_t>(kDeltaRow)), of.end);
+    of.end = select(bit(kLostBit), Words(static_cast<std::uint32_t>(kLostRow)), of.end);
+    of.end = select(bit(kCutBit), Words(static_cast<std::uint32_t>(WalkEnd::unresolved)), of.end);
+  }
+
+  // Walk by walk, each to its place.
+  [[gnu::noinline]] void record_all(const LaneWalkTask& t) {
+    const LaneRecords& to = t.records;
+    Floats spoiled(0);
+    for (int k = 0; k < size; k += kLanes) {
+      const Words met = Words::load(events + k);
+      LaneEnd<Words> of(shift_right<kBits>(met), !equal(met & Words(1u), Words(0u)),
+                        to_word_mask(Floats::load(z + k) > Floats(0)), t.walk.max_order);
+      if constexpr (kBounded) to_boundary_rows(met, of);
+      of.order.store(order_of + k);
+      // Of ends within the stack no light is told.
+      const auto row = [](int end)
+                           LAMELLA_INLINE_LAMBDA { return Words(static_cast<std::uint32_t>(end)); };
+      const WordMask left = is_below(of.end, row(static_cast<int>(WalkEnd::absorbed))) |
+                            is_below(row(kLostRow), of.end);
+      select(left, of.end + Words(1u), Words(0u)).store(place_of + k);
+      const Floats flat = Floats::load(x + k) + Floats::load(y + k);
+      const int n = size - k < kLanes ? size - k : kLanes;
+      spoiled = spoiled + select(first_lanes<float>(n), flat * Floats(0), Floats(0));
+    }
+    finite = finite && !any(!equal(spoiled, Floats(0)));
+    const std::uint32_t first = t.batches[0].index_low;
+    for (int j = 0; j < size; ++j) {
+      const std::uint32_t walk = index[j] - first;  // the stride is 1
+      to.x[walk] = x[j];
+      to.y[walk] = y[j];
+      to.z[walk] = z[j];
+      to.events[walk] = order_of[j];
+      to.end[walk] = place_of[j];
+      for (int c = 0; c < C; ++c) to.weight[c][walk] = weight[c][j];
+    }
+    size = 0;
+  }
 
   // sums_of(j): the sums that ended walk j counts in.
   template <class SumsOf>

@@ -35,7 +35,7 @@ bool walk_one_layer(const LaneWalkTask& t) {
 void walk_bounded_lanes(const LaneWalkTask& t) {
   const unsigned substrate = 1u << static_cast<int>(LaneMediumKind::substrate);
   const bool has_media = (t.walk.kinds & ~substrate) != 0;
-  if (!has_media && !t.weights && t.batch_count == 1)
+  if (!has_media && !t.weights && !t.asks_for_index())
     return unscattered_walks_of<0, Set>(t, NoScore{});
   if (!has_media)
     return t.weights ? unscattered_walks_of<3, Set>(t, Score{})

@@ -119,7 +119,14 @@ LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Fl
   w.order = select(words, Words(0u), w.order);
   if constexpr (C > 0)
     for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
-  w.wi = select(take, incident, w.wi);
+  Vec3<Floats> light = incident;
+  if (pool.draws) {
+    const auto number = [&](const float* from) LAMELLA_INLINE_LAMBDA {
+      return permute(Floats::load(from + pool.from), rank);
+    };
+    light = {number(pool.wi[0]), number(pool.wi[1]), number(pool.wi[2])};
+  }
+  w.wi = select(take, light, w.wi);
 }
 
 /// Notes behind the walks that have ended those of the lanes `tells`, with their `events`.
@@ -129,9 +136,9 @@ LAMELLA_INLINE void note_ends(const LoopSetting<C, Set, Score>& s, const State& 
   const int at = ended.size;
   store_compressed(events, tells, ended.events + at);
   if constexpr (Score::kUsesIndex)
-    if (s.task.batch_count > 1) store_compressed(w.index, tells, ended.index + at);
+    if (s.task.asks_for_index()) store_compressed(w.index, tells, ended.index + at);
   store_compressed(w.wi.z, tells, ended.z + at);
-  if (counts_in_cells<Set::kBounded>(s.task)) {
+  if (counts_in_cells<Set::kBounded>(s.task) || s.task.estimate == LaneEstimate::walk_by_walk) {
     store_compressed(w.wi.x, tells, ended.x + at);
     store_compressed(w.wi.y, tells, ended.y + at);
   }

@@ -10,7 +10,7 @@ void walk_medium(const LaneWalkTask& t) {
   using Set = OneMedium<Floats, M>;
   if (t.estimate == LaneEstimate::points || t.estimate == LaneEstimate::cells_next_event)
     walks_of<0, Set>(t, NextEventOnLanes<0>{t});
-  else if (t.batch_count > 1)
+  else if (t.asks_for_index())
     walks_of<0, Set>(t, NoScoreByIndex{});
   else
     walks_of<0, Set>(t, NoScore{});

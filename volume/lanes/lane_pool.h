@@ -40,16 +40,21 @@ struct LanePool {
   alignas(64) std::uint32_t death[kRoom];
   alignas(64) std::uint32_t layer[kRoom];
   alignas(64) float y[kRoom];
+  bool draws = false;  // every walk its w_i
+  alignas(64) float wi[3][kRoom];
 
   // Fills up to kSize, until the walks of the task are used up.
   [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
     const int left = to - from;
+    draws = t.incident_law != IncidentLaw::fixed;
     for (int k = 0; k < left; k += kLanes) {
       for (auto& word : numbers) Words::load(word + from + k).store(word + k);
       if constexpr (kIndex) Words::load(index + from + k).store(index + k);
       Words::load(death + from + k).store(death + k);
       if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
       Floats::load(y + from + k).store(y + k);
+      for (int axis = 0; draws && axis < 3; ++axis)
+        Floats::load(wi[axis] + from + k).store(wi[axis] + k);
     }
     from = 0;
     to = left;
@@ -66,7 +71,10 @@ struct LanePool {
       LaneState<Floats, C> w;
       w.index = Words(here.index_low + made * t.index_stride) + ramp;
       w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
-      const FloatMask hits = begin<C>(t.walk, set, w, first_lanes<float>(n));
+      Vec3<Floats> light{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
+      if (draws) light = drawn_light(t, w.numbers);
+      const FloatMask hits = begin_from<C>(light, t.walk, set, w, first_lanes<float>(n));
+      if (t.estimate == LaneEstimate::walk_by_walk) record(t, light, hits);
       const int found = count(hits);
       uncollided += static_cast<std::uint64_t>(n - found);
       collided += static_cast<std::uint64_t>(found);
@@ -90,6 +98,33 @@ struct LanePool {
     store(w.death, death + to);
     if constexpr (kLayer) store(w.layer, layer + to);
     store(w.y, y + to);
+    if (!draws) return;
+    store(w.wi.x, wi[0] + to);
+    store(w.wi.y, wi[1] + to);
+    store(w.wi.z, wi[2] + to);
+  }
+  LAMELLA_INLINE static Vec3<Floats> drawn_light(const LaneWalkTask& t,
+                                                 WalkNumbers<Words>& numbers) {
+    const Floats u = fine_uniform_of(numbers.next());
+    const auto phi = azimuth_of(numbers.next());
+    const Floats mu = t.incident_law == IncidentLaw::uniform ? u : sqrt(u);
+    const Floats s = sqrt(nonnegative((Floats(1) - mu) * (Floats(1) + mu)));
+    return {s * phi.cosine, s * phi.sine, mu};
+  }
+  // The next walks as such that go straight through, or end within the stack: of others the end is
+  // told later.
+  LAMELLA_INLINE void record(const LaneWalkTask& t, Vec3<Floats> light, FloatMask hits) const {
+    const int straight = straight_row<Set::kBounded>(t.walk.from_above);
+    select(to_word_mask(hits), Words(0u), Words(static_cast<std::uint32_t>(straight + 1)))
+        .store(t.records.end + made);
+    Words(0u).store(t.records.events + made);
+    light.x.store(t.records.x + made);
+    light.y.store(t.records.y + made);
+    light.z.store(t.records.z + made);
+    if (!draws) return;
+    light.x.store(t.records.wi_x + made);
+    light.y.store(t.records.wi_y + made);
+    light.z.store(t.records.wi_z + made);
   }
   void end_batch(const LaneWalkTask& t) {
     LaneSums& sums = *t.batches[batch].sums;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "volume/lanes/lane_dispatch.h"
 #include "volume/result/number_bytes.h"
 #include "volume/walk/walk.h"
 
@@ -43,9 +44,7 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
   task_.walk = setting_.walk;
   task_.weights = !setting_.common_albedo;
   task_.one_medium = setting_.parts.size() == 1 && !task_.weights && !bounded_;
-  walk_ = bounded_           ? walk_bounded_lanes_for(plan.isa)
-          : task_.one_medium ? walk_lanes_for(plan.isa)
-                             : walk_stack_lanes_for(plan.isa);
+  walk_ = lane_loop_of(task_, plan.isa);
   task_.channels = plan.channels;
   task_.index_stride = static_cast<std::uint32_t>(batches);
   if (!task_.weights && task_.channels > 1) {

@@ -372,14 +372,15 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
   return now;
 }
 
-/// Begins walks by the numbers w.numbers: their first flight. Which of them collide; the others
-/// leave the stack as they came.
+/// Begins walks of light from w_i by the numbers w.numbers: their first flight. Which of them
+/// collide; the others leave the stack as they came.
 template <int C, class Set, class Real>
-LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
-                                  const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist) {
+LAMELLA_INLINE MaskOf<Real> begin_from(Vec3<Real> wi,
+                                       const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                       const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist) {
   using Words = WordsOf<Real>;
   const Words flight = w.numbers.next();
-  w.wi = {Real(t.wi[0]), Real(t.wi[1]), Real(t.wi[2])};
+  w.wi = wi;
   const int start = t.from_above ? 0 : t.layer_count - 1;
   w.layer = Words(static_cast<std::uint32_t>(start));
   const Real bottom = Real(t.layers->value[kDepth][start]);
@@ -415,6 +416,13 @@ LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>:
   w.layer = select(to_word_mask(out), Words(static_cast<std::uint32_t>(last)), w.layer);
   w.y = select(out, t.from_above ? Real(t.layers->value[kDepth][last]) : Real(0), w.y);
   return exist;
+}
+
+/// Begins walks of the setting's light.
+template <int C, class Set, class Real>
+LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                  const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist) {
+  return begin_from<C>({Real(t.wi[0]), Real(t.wi[1]), Real(t.wi[2])}, t, set, w, exist);
 }
 
 /// Up to this chance of a first collision it is forced (the series for it is 1e-7 off there).

@@ -4,6 +4,7 @@
 
 #include "phase/lanes/isa.h"
 #include "volume/lanes/lane_way_block.h"
+#include "volume/walk/incident_law.h"
 
 namespace lamella {
 
@@ -39,7 +40,7 @@ inline constexpr double kPointLimit = 0x1p18;
 inline constexpr double kLargestInverseMu = 0x1.7p8;
 
 /// What the walks of a task are estimated by.
-enum class LaneEstimate { energies, cells_counted, points, cells_next_event };
+enum class LaneEstimate { energies, cells_counted, points, cells_next_event, walk_by_walk };
 
 /// What a batch's walks add up to.
 struct LaneSums {
@@ -64,6 +65,18 @@ struct LaneSums {
   std::uint64_t meetings = 0;     ///< with interfaces, which are no events
   /// False where a walk met a number that is not finite.
   bool finite = true;
+};
+
+/// What became of the walks of a task of one batch, walk by walk: the j-th number is that of the
+/// walk that began as the j-th. Rows have room for 64 walks more than there are.
+struct LaneRecords {
+  float *wi_x = nullptr, *wi_y = nullptr, *wi_z = nullptr;  ///< where w_i is drawn
+  float *x = nullptr, *y = nullptr, *z = nullptr;           ///< -w_o
+  std::uint32_t* events = nullptr;                          ///< that counted
+  /// 0 where no light left, else 1 more than the row of the walk's end: up, down, or those of
+  /// straight_row and kDeltaRow.
+  std::uint32_t* end = nullptr;
+  float* weight[3] = {};  ///< of walks with weights, per channel
 };
 
 /// Walks of a batch: the j-th has the index (index_high, index_low + j index_stride) of the task,
@@ -106,9 +119,15 @@ struct LaneWalkTask {
   /// first. Steps and events count in the first one's sums.
   const LaneBatch* batches = nullptr;
   std::uint32_t batch_count = 0;
+  IncidentLaw incident_law = IncidentLaw::fixed;
+  LaneRecords records;  ///< walk_by_walk; sums then count nothing
 
   [[nodiscard]] LAMELLA_INLINE std::uint32_t batch_of(std::uint32_t index) const {
     return batch_count == 1 ? 0 : (index - batches[0].index_low) & (index_stride - 1);
+  }
+  /// Whether the number of a walk that ends is asked for.
+  [[nodiscard]] LAMELLA_INLINE bool asks_for_index() const {
+    return batch_count > 1 || estimate == LaneEstimate::walk_by_walk;
   }
   [[nodiscard]] bool weighs() const { return weights || channels > 1; }
 };

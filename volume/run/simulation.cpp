@@ -11,26 +11,10 @@
 #include "volume/grid_walk/grid_walk.h"
 #include "volume/interfaces/boundary_run.h"
 #include "volume/lanes/lane_run.h"
+#include "volume/run/incident_check.h"
 
 namespace lamella {
 namespace {
-
-Direction checked_incident(const Stack& stack, Direction wi) {
-  wi = with_grazing_limit(wi);
-  if (wi.z < 0 && !stack.is_open_below())
-    throw std::invalid_argument(stack.substrate
-                                    ? "light from below meets an opaque substrate"
-                                    : "light from below cannot come through a half space");
-  if (stack.grains()) {
-    GrainScene::require_available();
-    if (std::abs(wi.z) < kGrainGrazingLimit)
-      throw std::invalid_argument(fmt::format(
-          "light at |mu| = {:.3g} on explicit geometry; allowed: |mu| of {} and above (theta up to "
-          "{:.2f} degrees)",
-          std::abs(wi.z), kGrainGrazingLimit, std::acos(kGrainGrazingLimit) * 180 / kPi));
-  }
-  return wi;
-}
 
 /// Calls f<M, kSingle>() for the medium type and layer count that the plan asks for.
 template <class F>

@@ -61,6 +61,14 @@ template <class M>
 
 }  // namespace walk_detail
 
+/// Tells a scorer that asks for it what leaves the stack, deltas too.
+template <class Scorer, std::size_t C>
+void tell_departure(Scorer& scorer, Direction wo, const std::array<double, C>& weight,
+                    std::uint64_t order, bool delta) {
+  if constexpr (requires { scorer.departs(wo, weight, order, delta); })
+    scorer.departs(wo, weight, order, delta);
+}
+
 /// Follows one walk of light from w_i through the stack and reports its events to `tally` and
 /// `scorer`. M: the medium of every layer, or Medium; C: channels; kSingle: one layer.
 ///
@@ -107,6 +115,7 @@ void walk(const WalkStack& stack, Direction incident, std::uint64_t seed, std::u
 
     if (!collides && !(down && stack.has_substrate)) {  // leaves the stack
       weight.leave(energy, down, order, only_delta);
+      tell_departure(scorer, -wi, weight.value, order, only_delta);
       if (!only_delta) scorer.leave(-wi, weight.value, order, last_delta);
       break;
     }

@@ -11,6 +11,7 @@ evaluated beside it, and a report says lobe by lobe how far they are apart, nois
     f, error = lm.truth(stack, wi, wo)                # truth at pairs of directions
     model = lm.Model("eon", albedo=0.8, roughness=0.5)
     report = lm.compare(stack, [model, my_function])  # my_function(wi, wo) -> f, on arrays
+    lm.samples(stack, distribution="cosine")          # walks one by one, for training
     lm.furnace(stack)
     lm.check(my_function)                             # a battery for what you write
     lm.fit("gold.binary", "eon,vmf_diffuse")          # the parameters that come nearest
@@ -39,12 +40,13 @@ from .headers import include_folder
 from .lobes import Energies, Lobes, StandardErrors, read
 from .models import Model
 from .reports import Report, compare
+from .samples import Samples, samples
 from .stacks import Stack, interface, layer, substrate
 from .truths import simulate, truth
 
 __all__ = [
-    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Lobes", "Model", "Report", "Stack",
-    "StandardErrors", "__version__", "check", "compare", "directions", "fit", "furnace",
-    "include_folder", "interface", "layer", "media", "models", "read", "simulate", "stacks",
-    "substrate", "truth",
+    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Lobes", "Model", "Report", "Samples",
+    "Stack", "StandardErrors", "__version__", "check", "compare", "directions", "fit", "furnace",
+    "include_folder", "interface", "layer", "media", "models", "read", "samples", "simulate",
+    "stacks", "substrate", "truth",
 ]

@@ -56,6 +56,20 @@ class Lobes:
     def save_exr(self, path: str) -> None: ...
     def save_archive(self, path: str) -> None: ...
 
+class Samples:
+    w_i: NDArray[np.float32]
+    w_o: NDArray[np.float32]
+    weight: NDArray[np.float32]
+    order: NDArray[np.uint32]
+    side: NDArray[np.int8]
+    walks: int
+    directions: Array
+    direction_walks: NDArray[np.uint64]
+    direction_rows: NDArray[np.uint64]
+    about: str
+    interrupted: bool
+    def save(self, path: str) -> int: ...
+
 class Report:
     answer: str
     summary: str
@@ -100,6 +114,7 @@ def simulate(stack: Stack, keywords: Keywords, show: Show) -> tuple[Lobes, list[
 def truth(
     stack: Stack, wi: Array, wo: Array, keywords: Keywords, show: Show
 ) -> tuple[Array, Array, bool, list[str]]: ...
+def samples(stack: Stack, keywords: Keywords, show: Show) -> tuple[Samples, list[str]]: ...
 def compare(
     stack: Stack, models: Sequence[Any], keywords: Keywords, show: Show
 ) -> tuple[Report, list[str]]: ...
@@ -115,6 +130,10 @@ def make_family(
 ) -> Family: ...
 def fit(
     target: Any, models: Sequence[Any], norm: str, sides: str, keywords: Keywords, show: Show
+) -> tuple[Fits, list[str]]: ...
+def fit_stack(
+    target: Any, stack: Stack, vary: Sequence[str], norm: str, sides: str, keywords: Keywords,
+    show: Show
 ) -> tuple[Fits, list[str]]: ...
 def furnace(
     stack: Stack, model: str, keywords: Keywords, show: Show

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 
-FloatArray = NDArray[np.float64]
+if TYPE_CHECKING:  # for annotations alone: the module takes its time
+    from numpy.typing import ArrayLike, NDArray
+    FloatArray = NDArray[np.float64]
+else:
+    ArrayLike = Any
+    FloatArray = np.ndarray
 
 
 def directions(theta: ArrayLike, phi: ArrayLike = 0.0) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import html
 import json
 import os
 import re
@@ -10,10 +11,9 @@ from collections.abc import Sequence
 from typing import Any, Callable, Iterable, Mapping, Optional, Union, cast, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from . import _core
-from .directions import FloatArray, incident, keywords
+from .directions import ArrayLike, FloatArray, incident, keywords
 from .lobes import Lobes, read
 from .models import Model, is_measured
 from .progress import shown, warn
@@ -56,7 +56,7 @@ class Family:
 
 
 class Fit:
-    """One model with the parameters that come nearest."""
+    """One model, or a stack, with the parameters that come nearest."""
 
     def __init__(self, answer: dict[str, Any], family: Optional[Family]) -> None:
         self.answer = answer
@@ -69,8 +69,8 @@ class Fit:
 
     @property
     def request(self) -> str:
-        """The model as --model takes it."""
-        return self.answer["model"]
+        """The model as --model takes it; of a stack its name."""
+        return self.answer.get("model", self.answer["name"])
 
     @property
     def values(self) -> dict[str, float]:
@@ -125,6 +125,8 @@ class Fit:
     @property
     def model(self) -> Model:
         """The model with these parameters."""
+        if "stack" in self.answer:
+            raise ValueError(f"fit: {self.name} is a stack; allowed: .stack")
         if self._family is None:
             return Model(self.request)
         values: dict[str, Any] = {key: self.values[key] for key in self._family.numbers}
@@ -133,6 +135,13 @@ class Fit:
             values[key] = np.array(channels, float)
         return Model(functools.partial(self._family.function, **values), name=self.name,
                      transmits=self._family.transmits)
+
+    @property
+    def stack(self) -> Stack:
+        """The stack with these numbers, where a stack was fitted."""
+        if "stack" not in self.answer:
+            raise ValueError(f"fit: {self.name} is a closed form; allowed: .model")
+        return Stack.parse(self.answer["stack"])
 
     def __repr__(self) -> str:
         return f"<lamella.Fit {self.request}: {100 * self.relative_rmse:.3g} % left over>"
@@ -169,7 +178,10 @@ class Fits(Sequence):
 
     @functools.cached_property
     def report(self) -> Report:
-        """All of them judged by the target, as compare() does."""
+        """All of them judged by the target, as compare() does; of closed forms."""
+        if any("stack" in fit.answer for fit in self._fits):
+            raise ValueError("fit: the report of a stack; allowed: of closed forms, or compare() "
+                             "with .stack")
         return Report(self._core.report())
 
     def save(self, folder: Union[str, "os.PathLike[str]"], pictures: Iterable[str] = ()) -> None:
@@ -180,6 +192,8 @@ class Fits(Sequence):
             file.write("\n")
 
     def _repr_html_(self) -> str:
+        if any("stack" in fit.answer for fit in self._fits):
+            return f"<pre>{html.escape(str(self))}</pre>"
         return self.report._repr_html_()
 
     def __str__(self) -> str:
@@ -190,30 +204,52 @@ class Fits(Sequence):
             f"{f.name}: {100 * f.relative_rmse:.3g} %" for f in self._fits) + ">"
 
 
+def _ranges(vary: Mapping[str, Any]) -> list[str]:
+    """PATH=FROM:TO[:log] with every digit."""
+    texts = []
+    for path, ends in vary.items():
+        if not isinstance(ends, (tuple, list)) or len(ends) not in (2, 3) or (len(ends) == 3 and ends[2] != "log"):
+            raise ValueError(f'--vary: found {path!r}: {ends!r}; allowed: (FROM, TO) or '
+                             '(FROM, TO, "log")')
+        texts.append(f"{path}={float(ends[0])!r}:{float(ends[1])!r}"
+                     + (":log" if len(ends) == 3 else ""))
+    return texts
+
+
 def fit(target: Union[Stack, Lobes, Model, str, Any],
-        models: Union[str, Family, Iterable[Union[str, Family]]] = "all", wi: Any = None, *,
+        models: Union[None, str, Family, Iterable[Union[str, Family]]] = None, wi: Any = None, *,
+        stack: Union[None, Stack, str] = None, vary: Optional[Mapping[str, Any]] = None,
         norm: str = "relative", sides: str = "all", grid: Optional[tuple[int, int]] = None,
         estimator: Optional[str] = None, walks: Optional[float] = None,
         tolerance: Optional[float] = None, time: Optional[float] = None,
         seed: Optional[int] = None, threads: Optional[int] = None, isa: Optional[str] = None,
         progress: Optional[bool] = None) -> Fits:
-    """The parameters of models that come nearest to a target, as `lamella fit --model` finds them.
+    """The parameters of models that come nearest to a target, as `lamella fit --model` finds them,
+    or the numbers of a stack (`--stack`).
 
     target: a Stack (or the name of a built-in one, or its path), whose truth is found as by
         simulate(); Lobes, or a file of them (.exr); a measured material (.binary, .bsdf); a Model
         or a Python function.
     models: texts as --model takes them ("eon", "coated,base=eon,ior=1.5": what is given stays, the
-        rest is fitted; "eon,vmf_diffuse": two; "all"), and Family objects.
+        rest is fitted; "eon,vmf_diffuse": two; "all", the default), and Family objects.
+    stack, vary: instead of models, a stack and its numbers that are free, by paths as in
+        `lamella sweep --set`: {"layer.0.roughness": (0.1, 1), "layer.0.thickness": (0.1, 10,
+        "log")}. Colours have a number per channel where the target has three.
     wi, grid: incident directions and cells; of Lobes their own.
     norm: what is made least. "relative": root of the mean over the incident directions of
         sum (m - t)^2 / sum t^2 over cells of equal projected solid angle; "log": RMS of ln f.
     sides: "all", or "reflect": reflection alone.
-    The others are those of simulate(), and of a Stack alone.
+    The others are those of simulate(), and of a Stack alone; where a stack is fitted, its own.
     """
     for what, found, allowed in ("norm", norm, ("relative", "log")), \
             ("sides", sides, ("all", "reflect")):
         if found not in allowed:
             raise ValueError(f'--{what}: found "{found}"; allowed: {", ".join(allowed)}')
+    if stack is not None and models is not None:
+        raise ValueError("--stack: found beside --model; allowed: one of the two")
+    if vary is not None and stack is None:
+        raise ValueError("--vary: found no --stack; allowed: beside it")
+    models = "all" if models is None else models
     listed: list[Union[str, Family]] = [models] if isinstance(models, (str, Family)) \
         else list(models)
     for model in listed:
@@ -237,6 +273,11 @@ def fit(target: Union[Stack, Lobes, Model, str, Any],
                          "their own")
     given = keywords(wi=incident(wi), grid=grid, estimator=estimator, walks=walks,
                      tolerance=tolerance, time=time, seed=seed, threads=threads, isa=isa)
+    if stack is not None:
+        fits, warnings = _core.fit_stack(core, as_stack(stack)._core, _ranges(vary or {}), norm,
+                                         sides, given, shown(progress))
+        warn(warnings, fits.interrupted)
+        return Fits(fits, {})
     fits, warnings = _core.fit(core, [m if isinstance(m, str) else m._core for m in listed],
                                norm, sides, given, shown(progress))
     warn(warnings, fits.interrupted)

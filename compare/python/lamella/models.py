@@ -7,10 +7,9 @@ import re
 from typing import Any, Callable, Optional, Union, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from . import _core
-from .directions import FloatArray, incident, keywords, rows, vectors
+from .directions import ArrayLike, FloatArray, incident, keywords, rows, vectors
 from .lobes import Lobes
 from .progress import warn
 from .stacks import Stack, as_stack

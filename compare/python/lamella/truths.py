@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Optional, Union
 
-from numpy.typing import ArrayLike
-
 from . import _core
-from .directions import FloatArray, incident, keywords, rows, vectors
+from .directions import ArrayLike, FloatArray, incident, keywords, rows, vectors
 from .lobes import Lobes
 from .progress import shown, warn
 from .stacks import Stack, as_stack

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "compare/exchange/tensor_container.h"
+#include "compare/files/zip_entries.h"
 
 namespace lamella {
 namespace {
@@ -80,7 +81,7 @@ TEST(NpzReader, SurvivesRandomChangesWithinTheFileSize) {
 
 TEST(NpzReader, KnowsTheCheckValueOfItsChecksum) {
   // The check value of CRC-32/ISO-HDLC.
-  EXPECT_EQ(crc32_of("123456789"), 0xCBF43926u);
+  EXPECT_EQ(checksum("123456789"), 0xCBF43926u);
 }
 
 }  // namespace

@@ -221,7 +221,6 @@ TEST(ModelsToFit, AreToldApartByTheirNames) {
   for (const ModelRequest& request : all) {
     EXPECT_NE(request.name, "spongecake");
     EXPECT_NE(request.name, "beckmann_diffuse");
-    EXPECT_NE(request.name, "coated");
   }
 }
 

@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "compare/command/command.h"
+#include "compare/command/fit_target_source.h"
+#include "compare/files/output_folder.h"
+#include "compare/nearest/stack_fit.h"
+#include "compare/options/progress.h"
+#include "compare/report/json_report.h"
+#include "compare/request/errors.h"
+#include "compare/request/substrate_model.h"
+#include "phase/stack/builtin_stacks.h"
+
+namespace lamella {
+
+int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
+                      const std::vector<std::string>& pictures) {
+  if (!pictures.empty())
+    throw UsageError("--pictures: found beside --stack; allowed: with --model");
+  const bool to_file = !options.output.empty();
+  if (to_file && !options.output.ends_with(".toml"))
+    throw UsageError(
+        fmt::format("-o: found \"{}\" for the fitted stack; allowed: a name that ends "
+                    "in .toml",
+                    options.output));
+  if (to_file) check_output_file(options.output);
+  if (options.stack == "-" && closed.stack == "-")
+    throw UsageError("--stack: found - twice; allowed: stdin for one stack");
+  const Stack stack = with_surface_model(load_stack(closed.stack));
+  (void)parametric_stack(stack, closed.vary, 1);
+  const RunMonitor monitor = terminal_monitor(options);
+  const FitTargetSource source = fit_target_source(options);
+  const InputFiles inputs(source.stack, source.files), of_stack(stack);
+  Options of_target = options;
+  if (source.model || !source.files.empty()) {
+    // What is asked of walks and solver is asked of the fitted stack.
+    of_target.walk_settings.clear();
+    of_target.estimator = Options{}.estimator;
+  }
+  const TargetTruths target = target_of(of_target, source, monitor);
+  Options how = options;
+  how.incident.clear();
+  const NearestModels nearest = nearest_stack(
+      target, parametric_stack(stack, closed.vary, target.plan.channels), truth_request(how, stack),
+      closed.norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
+      closed.sides == "reflect" ? FitSides::reflect : FitSides::all, monitor);
+  if (monitor.finished) monitor.finished();
+  inputs.check();
+  of_stack.check();
+  nlohmann::ordered_json answer = fit_json(target, nearest);
+  add_files(answer, inputs);
+  if (!options.quiet) fmt::print(table_stream(options), "{}", fit_summary(target, nearest));
+  if (to_file) {
+    write_file(options.output, nearest.fits.front().stack);
+    if (!options.quiet) fmt::print(table_stream(options), "\nwrote {}\n", options.output);
+  }
+  write_json(answer, options.json);
+  return kDone;
+}
+
+}  // namespace lamella

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "compare/options/options.h"
+#include "compare/samples/sample_stream.h"
+
+namespace lamella {
+
+/// Walks one by one of a stack, as the options say.
+[[nodiscard]] SampleRequest sample_request(const Options& options, const Stack& stack);
+/// The walks of one direction, or of all that drew theirs, as the answer has them.
+[[nodiscard]] nlohmann::ordered_json to_json(const SampleTotals& totals,
+                                             const SampleRequest& request);
+/// A data set: a file per stack.
+int sample_set_command(const Options& options, const std::vector<std::string>& stacks);
+
+}  // namespace lamella

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "compare/nearest/nearest_models.h"
+#include "compare/nearest/parametric_stack.h"
+
+namespace lamella {
+
+/// Searches of a stack's numbers, and the points that they are the best of: a stack is dearer than
+/// a closed form.
+inline constexpr int kStackStarts = 2, kStackTried = 8;
+/// Walks per direction where the solver does not apply and none were asked for.
+inline constexpr std::uint64_t kFitWalks = 100000;
+
+/// The numbers of a stack that bring its lobes nearest to a target, in the same form as fits of
+/// closed forms. `how`: estimator, tolerance, walks, seed and limits of the stack's lobes.
+///
+/// Where the solver applies every step of the last search has the nodes and modes that reach the
+/// tolerance at the beginning (32 and 48 at most; searches before it have 12 nodes), so that
+/// differences between steps are the stack's; what they miss is found by solving the answer to the
+/// tolerance, twice, and is corrected. Elsewhere, or
+/// where walks are asked for, every step has the same random numbers, derivatives are over wider
+/// steps, and the noise of the walks counts beside the target's.
+/// Throws UsageError where the stack has no values, or fewer channels than the target has colour.
+[[nodiscard]] NearestModels nearest_stack(const TargetTruths& target, const ParametricStack& stack,
+                                          const TruthRequest& how, FitNorm norm, FitSides sides,
+                                          const RunMonitor& monitor);
+
+}  // namespace lamella
