@@ -21,7 +21,7 @@ SANITIZED := StackFile|StackFuzz|Random|HalfVector
 CCACHE :=
 LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF -DLAMELLA_UNITY=OFF)
 
-.PHONY: demo test bench account asan fuzz soak format tidy install-build-packages install-test-packages \
+.PHONY: demo test bench account asan fuzz soak soak-collisions format tidy install-build-packages install-test-packages \
   install-format-packages release clean
 
 demo: release
@@ -48,6 +48,11 @@ asan: install-test-packages
 # Longer than continuous integration can wait for: twenty times the walks.
 soak: install-test-packages release
 	LAMELLA_SOAK=1 ctest --preset release
+
+# Walks against the solver with COLLISIONS collisions; goes on where it was ended.
+COLLISIONS := 1e11
+soak-collisions: release
+	./build/release/lamella soak --collisions $(COLLISIONS)
 
 # libFuzzer on every reader of what comes from outside, with sanitizers, for FUZZ_SECONDS each;
 # corpora grow in build/fuzz/corpus from one call to the next. FUZZ: names of readers.

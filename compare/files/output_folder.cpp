@@ -69,11 +69,19 @@ fs::path temporary_beside(const fs::path& path) {
   return path.parent_path() / fmt::format(".lamella-{}-{}.tmp", ::getpid(), counter++);
 }
 
-void write_in_place(const fs::path& path, std::string_view bytes) {
+using Content = std::function<void(const AddBytes& add)>;
+
+void write_content(OpenFile& file, const fs::path& path, const Content& content) {
+  content([&](std::string_view bytes) {
+    if (const auto error = file.write(bytes)) fail("write", path, error);
+  });
+}
+
+void write_in_place(const fs::path& path, const Content& content) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) fail("write", path, last_error());
   OpenFile file(descriptor, {});
-  if (const auto error = file.write(bytes)) fail("write", path, error);
+  write_content(file, path, content);
   if (const auto error = file.close()) fail("write", path, error);
 }
 
@@ -86,7 +94,7 @@ void sync_folder(const fs::path& of_file) {
   ::close(descriptor);
 }
 
-void write_and_rename(const fs::path& path, std::string_view bytes) {
+void write_and_rename(const fs::path& path, const Content& content) {
   fs::path temporary;
   int descriptor = -1;
   do {
@@ -95,7 +103,7 @@ void write_and_rename(const fs::path& path, std::string_view bytes) {
   } while (descriptor < 0 && errno == EEXIST);
   if (descriptor < 0) fail("write", path, last_error());
   OpenFile file(descriptor, temporary);
-  if (const auto error = file.write(bytes)) fail("write", path, error);
+  write_content(file, path, content);
   if (const auto error = file.sync()) fail("write", path, error);
   if (const auto error = file.close()) fail("write", path, error);
   if (::rename(temporary.c_str(), path.c_str()) != 0) fail("write", path, last_error());
@@ -129,16 +137,20 @@ void check_output_file(const fs::path& path) {
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
+  write_file(path, [bytes](const AddBytes& add) { add(bytes); });
+}
+
+void write_file(const fs::path& path, const Content& content) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status))
     fail("write", path, std::make_error_code(std::errc::is_a_directory));
-  if (!fs::exists(status)) return write_and_rename(path, bytes);
+  if (!fs::exists(status)) return write_and_rename(path, content);
   // A rename would pass over a file's own write protection.
   if (::access(path.c_str(), W_OK) != 0) fail("write", path, last_error());
-  if (!fs::is_regular_file(status)) return write_in_place(path, bytes);
+  if (!fs::is_regular_file(status)) return write_in_place(path, content);
   const fs::path target = fs::canonical(path, error);
-  write_and_rename(error ? path : target, bytes);
+  write_and_rename(error ? path : target, content);
 }
 
 }  // namespace lamella
