@@ -80,7 +80,7 @@ std::vector<RunResult> runs_of(const TruthRequest& request, const RunMonitor& mo
   return runs;
 }
 
-// The number of walks per direction that has so many collisions in all directions, by a few walks.
+// The number of walks per direction that makes the collisions of all directions, by a few walks.
 std::uint64_t walks_for(const Options& options, const Stack& stack, double collisions) {
   double few = 0;
   for (const RunResult& run : runs_of(truth_request(walk_options(options, kPilotWalks), stack), {}))

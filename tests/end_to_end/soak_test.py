@@ -24,5 +24,7 @@ class Soak(ProgramTest):
         for row in counted[:50]:
             error = (float(row["se"]) ** 2 + float(row["bound"]) ** 2) ** 0.5
             self.assertAlmostEqual(float(row["z"]), (float(row["f_walks"]) - float(row["f_solver"])) / error, delta=0.02)
+        if "LAMELLA_SOAK" not in os.environ:
+            return
         again = self.json_of("soak", "--collisions", MANY, "-o", "soaked", "--quiet")
         self.assertEqual(again["lobes"], answer["lobes"])
