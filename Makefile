@@ -21,7 +21,7 @@ SANITIZED := StackFile|StackFuzz|Random|HalfVector
 CCACHE :=
 LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF -DLAMELLA_UNITY=OFF)
 
-.PHONY: demo test bench account asan soak format tidy install-build-packages install-test-packages \
+.PHONY: demo test bench account asan fuzz soak soak-collisions format tidy install-build-packages install-test-packages \
   install-format-packages release clean
 
 demo: release
@@ -45,15 +45,23 @@ asan: install-test-packages
 	cmake --build --preset asan
 	ctest --preset asan
 
-# Longer than continuous integration can wait for: twenty times the walks, new inputs for the stack
-# reader.
+# Longer than continuous integration can wait for: twenty times the walks.
 soak: install-test-packages release
 	LAMELLA_SOAK=1 ctest --preset release
-	cmake --preset asan $(LAUNCHER)
-	cmake --build build/asan --target stack_fuzz
-	build/asan/tests/stack_fuzz --seeds build/asan/fuzz-corpus
-	build/asan/tests/stack_fuzz -max_total_time=600 -max_len=2048 -timeout=20 -verbosity=0 \
-	  -artifact_prefix=build/asan/ build/asan/fuzz-corpus
+
+# Walks against the solver with COLLISIONS collisions; goes on where it was ended.
+COLLISIONS := 1e11
+soak-collisions: release
+	./build/release/lamella soak --collisions $(COLLISIONS)
+
+# libFuzzer on every reader of what comes from outside, with sanitizers, for FUZZ_SECONDS each;
+# corpora grow in build/fuzz/corpus from one call to the next. FUZZ: names of readers.
+FUZZ_SECONDS := 600
+FUZZ := stack csv exr vdb part walks run values tensor merl npz index settings model
+fuzz: install-test-packages install-build-packages
+	cmake --preset fuzz $(LAUNCHER)
+	cmake --build build/fuzz --target $(patsubst %,fuzz_%,$(FUZZ))
+	tests/fuzz/fuzz.sh build/fuzz $(FUZZ_SECONDS) $(FUZZ)
 
 release: install-build-packages
 	cmake --preset release $(LAUNCHER) -DLAMELLA_TESTS=$(if $(filter test soak,$(MAKECMDGOALS)),ON,OFF) \

@@ -51,6 +51,9 @@ int rerun_command(const Options& options);
 /// What ranks of mpirun cost and bring: processor time per walk, messages, bytes, a model.
 int scaling_command(const Options& options);
 
+/// Walks of four stacks, with that number of collisions in all, against the solver, cell by cell.
+int soak_command(const Options& options, double collisions);
+
 /// Options of `library` beside those that all commands share.
 struct LibraryOptions {
   std::string action{};             ///< "build", "verify" or "show"

@@ -36,7 +36,7 @@ std::map<std::uint64_t, std::string> found_by(const DividedRun& run, Shard shard
   PartKeeper keeper(shard, {}, {}, monitor.stop, {});
   RunMonitor own{.stop = monitor.stop, .keeper = &keeper};
   find_truths(run, own);
-  return keeper.pieces();
+  return loaded(keeper.pieces());
 }
 
 // What all ranks but the first send to it; `parts`: what they hold.

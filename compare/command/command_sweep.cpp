@@ -312,6 +312,10 @@ const DividedCommand& sweep_divided() {
 }
 
 int sweep_command(const Options& options) {
+  if (!options.checkpoint.empty() && options.shard.empty())
+    throw UsageError(
+        "--checkpoint: found it without --shard for a sweep, which goes on in its folder; allowed: "
+        "with --shard I/N");
   return do_divided(sweep_divided(), {"sweep", options, stack_of(options)});
 }
 

@@ -29,8 +29,6 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr const char* kPartEnding = ".part";
-// What a checkpoint may take in memory: as much as the run's own sums at the finest grid.
-constexpr std::uint64_t kMostCheckpointBytes = std::uint64_t{64} << 30;
 
 Json header_of(const DividedRun& run, const Shard& shard, bool checkpoint, const fs::path& file) {
   const InputFiles inputs(run.stack);
@@ -45,10 +43,10 @@ Json header_of(const DividedRun& run, const Shard& shard, bool checkpoint, const
 }
 
 // The pieces of an earlier run that ended at a checkpoint; none where there is no file.
-std::map<std::uint64_t, std::string> found_in(const fs::path& file, const Json& header,
-                                              bool quiet) {
+StoredPieces found_in(const fs::path& file, const Json& header, bool quiet) {
   if (!fs::exists(file)) return {};
-  const PartFile earlier(file);
+  const auto held = std::make_shared<const PartFile>(file);
+  const PartFile& earlier = *held;
   const auto refuse = [&](const std::string& how) {
     throw UsageError(
         fmt::format("{}: found the checkpoint of another run: {}; allowed: "
@@ -66,7 +64,7 @@ std::map<std::uint64_t, std::string> found_in(const fs::path& file, const Json& 
   if (!quiet)
     fmt::print(stderr, "lamella: goes on from {}: {} piece{} of the run\n", file.string(),
                earlier.pieces(), earlier.pieces() == 1 ? "" : "s");
-  return earlier.all(kMostCheckpointBytes).pieces;
+  return pieces_of(held);
 }
 
 bool is_part_name(const std::string& name) { return name.ends_with(kPartEnding); }
@@ -93,9 +91,8 @@ int do_part(const DividedCommand& command, const DividedRun& run, const Shard& s
   PartWork work =
       find_part(command, run, shard, options.checkpoint, terminal_monitor(options), options.quiet);
   inputs.check();
-  Part part{header, std::move(work.pieces)};
-  if (!run.input.empty()) part.pieces[kInputPiece] = run.input;
-  write_part(options.output, part);
+  if (!run.input.empty()) work.pieces.insert_or_assign(kInputPiece, StoredPiece(run.input));
+  write_part(options.output, header, work.pieces);
   if (!options.checkpoint.empty()) fs::remove(options.checkpoint);
   if (!options.quiet)
     fmt::print("wrote {}: part {} of {}{}\n", options.output, shard.index, shard.count,
@@ -151,7 +148,7 @@ Json identity_of(const DividedRun& run, const InputFiles& inputs) {
 PartWork find_part(const DividedCommand& command, const DividedRun& run, const Shard& shard,
                    const std::string& file, RunMonitor monitor, bool quiet) {
   std::optional<Checkpoint> checkpoint;
-  std::map<std::uint64_t, std::string> found;
+  StoredPieces found;
   if (!file.empty()) {
     checkpoint = {file, run.options.checkpoint_every.value_or(kCheckpointSeconds),
                   header_of(run, shard, true, file)};

@@ -9,6 +9,7 @@
 #include "compare/ranks/ranks.h"
 #include "compare/report/input_files.h"
 #include "compare/request/run_monitor.h"
+#include "compare/shards/part_file.h"
 #include "compare/shards/shard.h"
 
 namespace lamella {
@@ -62,7 +63,7 @@ int do_by_ranks(const DividedCommand& command, const DividedRun& run, Ranks& ran
 
 /// The work of one part.
 struct PartWork {
-  std::map<std::uint64_t, std::string> pieces{};
+  StoredPieces pieces{};
   bool idle = false;  ///< it had none: the solver's answer is the first part's
 };
 /// Finds a part; `checkpoint`: the file to go on from, empty for none, locked by the caller.

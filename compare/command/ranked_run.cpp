@@ -78,13 +78,13 @@ int do_parts(const DividedCommand& command, const DividedRun& run, const RunMoni
     if (!checkpoint.empty()) fs::remove(checkpoint);
   };
   if (ranks.rank() != 0) {
-    ranks.send(0, sent_pieces(work.pieces));
+    ranks.send(0, sent_pieces(loaded(work.pieces)));
     (void)ranks.receive();  // rank 0 has written
     remove_checkpoint();
     return kDone;
   }
   std::vector<std::unique_ptr<Pieces>> parts;
-  parts.push_back(std::make_unique<SentPieces>("rank 0", std::move(work.pieces)));
+  parts.push_back(std::make_unique<SentPieces>("rank 0", loaded(work.pieces)));
   std::vector<double> seconds{cpu_seconds()};
   std::uint64_t bytes = 0;
   for (int k = 1; k < ranks.count(); ++k) {

@@ -29,6 +29,7 @@ struct CommandLine {
   std::vector<std::string> pictures{};         ///< --pictures: names of formats
   std::vector<std::string> words{};            ///< the arguments of commands that take several
   std::string format = "npz", size = "large";  ///< of export
+  double collisions = 1e9;                     ///< of soak
   bool sweep_parameters = false;               ///< furnace --sweep
 
   /// Adds a command. `example`: a shell line that works as it stands, shown by --help, and run by a

@@ -130,6 +130,24 @@ void define_scaling(CommandLine& line) {
   add_json(command, line);
 }
 
+void define_soak(CommandLine& line) {
+  CLI::App& command = line.add("soak", "Walks of four stacks against the solver, cell by cell",
+                               "lamella soak --collisions 1e6 -o soaked",
+                               [&] { return soak_command(line.options, line.collisions); });
+  command
+      .add_option(
+          "--collisions", line.collisions,
+          "Of all walks together (default 1e9); the same command goes on where it was ended")
+      ->transform(whole_number(1000000, 1000000000000000))
+      ->type_name("N");
+  add_output(command, line, "FOLDER",
+             "Folder of the table and checkpoints (default ./lamella-soak)");
+  add_seed(command, line);
+  add_threads(command, line);
+  add_isa(command, line);
+  add_json(command, line);
+}
+
 void define_grid(CommandLine& line) {
   CLI::App& command = line.add("grid", "Makes a density grid; without KIND, what there is",
                                "lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb",
@@ -233,6 +251,7 @@ void define_file_commands(CommandLine& line) {
   define_import(line);
   define_library(line);
   define_scaling(line);
+  define_soak(line);
   define_grid(line);
   define_reproduce(line);
   define_completion(line);

@@ -80,6 +80,7 @@ void define_sweep(CommandLine& line) {
   add_shard(command, line, "FOLDER",
             "Folder of answers and page; a sweep that was stopped goes on there (default "
             "./NAME-sweep)");
+  add_checkpoint(command, line);
 }
 
 void define_preview(CommandLine& line) {

@@ -16,35 +16,37 @@
 namespace lamella {
 namespace {
 
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-    require(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));
-  }
-  void add(std::string_view bytes) {
-    require(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()));
-  }
-  [[nodiscard]] std::string digits() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned size = 0;
-    require(EVP_DigestFinal_ex(context_.get(), digest.data(), &size));
-    std::string text;
-    for (unsigned k = 0; k < size; ++k) text += fmt::format("{:02x}", digest.at(k));
-    return text;
-  }
-
- private:
-  static void require(bool done) {
-    if (!done) throw std::runtime_error("SHA-256: libcrypto does not provide it");
-  }
-
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
+void require(bool done) {
+  if (!done) throw std::runtime_error("SHA-256: libcrypto does not provide it");
+}
 
 }  // namespace
 
+struct ContentHash::Context {
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> of{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
+};
+
+ContentHash::ContentHash() : context_(std::make_unique<Context>()) {
+  require(context_->of && EVP_DigestInit_ex(context_->of.get(), EVP_sha256(), nullptr));
+}
+
+ContentHash::~ContentHash() = default;
+
+void ContentHash::add(std::string_view bytes) {
+  require(EVP_DigestUpdate(context_->of.get(), bytes.data(), bytes.size()));
+}
+
+std::string ContentHash::digits() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  require(EVP_DigestFinal_ex(context_->of.get(), digest.data(), &size));
+  std::string text;
+  for (unsigned k = 0; k < size; ++k) text += fmt::format("{:02x}", digest.at(k));
+  return text;
+}
+
 std::string content_hash(std::string_view bytes) {
-  Sha256 hash;
+  ContentHash hash;
   hash.add(bytes);
   return hash.digits();
 }
@@ -60,7 +62,7 @@ std::string content_hash_of_file(const std::filesystem::path& path, std::uintmax
     fail("it is no regular file");
   std::ifstream file(path, std::ios::binary);
   if (!file) fail(std::generic_category().message(errno));
-  Sha256 hash;
+  ContentHash hash;
   std::array<char, 1 << 16> piece{};
   while (bytes > 0 && (file.read(piece.data(), piece.size()) || file.gcount() > 0)) {
     const auto count = std::min(static_cast<std::uintmax_t>(file.gcount()), bytes);

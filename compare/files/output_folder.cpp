@@ -14,17 +14,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_in_place(const fs::path& path, std::string_view bytes) {
+using Content = std::function<void(const AddBytes& add)>;
+
+void write_content(OpenFile& file, const fs::path& path, const Content& content) {
+  content([&](std::string_view bytes) {
+    if (const auto error = file.write(bytes)) fail_at("write", path, error);
+  });
+}
+
+void write_in_place(const fs::path& path, const Content& content) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0) fail_at("write", path, last_system_error());
   OpenFile file(descriptor, {});
-  if (const auto error = file.write(bytes)) fail_at("write", path, error);
+  write_content(file, path, content);
   if (const auto error = file.close()) fail_at("write", path, error);
 }
 
-void write_and_rename(const fs::path& path, std::string_view bytes) {
+void write_and_rename(const fs::path& path, const Content& content) {
   TemporaryFile temporary = temporary_beside(path);
-  if (const auto error = temporary.file.write(bytes)) fail_at("write", path, error);
+  write_content(temporary.file, path, content);
   take_name(temporary.file, temporary.name, path);
 }
 
@@ -69,9 +77,13 @@ fs::path written_path(const fs::path& path) {
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
+  write_file(path, [bytes](const AddBytes& add) { add(bytes); });
+}
+
+void write_file(const fs::path& path, const Content& content) {
   const fs::path target = written_path(path);
-  if (target.empty()) return write_in_place(path, bytes);
-  write_and_rename(target, bytes);
+  if (target.empty()) return write_in_place(path, content);
+  write_and_rename(target, content);
 }
 
 }  // namespace lamella

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "compare/files/output_error.h"
@@ -24,5 +25,11 @@ void check_output_file(const std::filesystem::path& path);
 /// the disk, and then the name takes the file's place; on failure it is removed. A symbolic link is
 /// followed; a pipe or a device is written to directly. Throws OutputError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// The same of content that comes piece by piece, so that it need not be in memory as a whole:
+/// `content` hands the pieces to the function that it is given.
+using AddBytes = std::function<void(std::string_view bytes)>;
+void write_file(const std::filesystem::path& path,
+                const std::function<void(const AddBytes& add)>& content);
 
 }  // namespace lamella

@@ -22,6 +22,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
+constexpr int kMostDepth = 8;
 constexpr std::size_t kMostIndexBytes = std::size_t{64} << 20;
 constexpr std::uint64_t kMostEntryBytes = std::uint64_t{256} << 20;
 
@@ -173,20 +174,30 @@ LibraryIndex read_index(const fs::path& folder) {
     throw UsageError(fmt::format("{}: {}; allowed: a folder of lamella library build",
                                  file.string(), error.what()));
   }
-  const Json json = Json::parse(text, nullptr, false);
+  return index_from(text, file.string());
+}
+
+LibraryIndex index_from(const std::string& text, const std::string& file) {
+  // Deeper than what is written: whatever prints it would need as deep a stack.
+  bool deep = false;
+  const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
+    deep = deep || depth > kMostDepth;
+    return !deep;
+  };
+  const Json parsed = Json::parse(text, shallow, false), json = deep ? Json() : parsed;
   const auto format = json.is_object() ? json.find("format") : json.end();
   if (!json.is_object() || format == json.end() || *format != Json(kFormat) ||
       !json.contains("entries") || !json["entries"].is_array())
     throw UsageError(
         fmt::format("{}: found no index of format {}; allowed: a folder of lamella library build",
-                    file.string(), kFormat));
+                    file, kFormat));
   LibraryIndex index;
   std::set<std::string> names;
   for (const Json& entry : json["entries"]) {
     index.entries.push_back(
-        entry_of(entry, fmt::format("{}: entry {}", file.string(), index.entries.size())));
+        entry_of(entry, fmt::format("{}: entry {}", file, index.entries.size())));
     if (!names.insert(index.entries.back().name).second)
-      throw UsageError(fmt::format("{}: found \"{}\" twice; allowed: each name once", file.string(),
+      throw UsageError(fmt::format("{}: found \"{}\" twice; allowed: each name once", file,
                                    index.entries.back().name));
   }
   return index;

@@ -44,6 +44,9 @@ inline constexpr char kIndexName[] = "index.json";
 /// files is held against their hashes when it is read. Throws UsageError.
 [[nodiscard]] LibraryIndex read_index(const std::filesystem::path& folder);
 
+/// The same of a text that is there already; `file`: as named in errors.
+[[nodiscard]] LibraryIndex index_from(const std::string& text, const std::string& file);
+
 /// The text of index.json.
 [[nodiscard]] std::string to_text(const LibraryIndex& index);
 

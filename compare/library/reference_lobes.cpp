@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 
 #include "compare/judge/missing_light.h"
 #include "compare/judge/pair_truth.h"
@@ -34,6 +38,44 @@ bool has_wide_bounds(const PairTruth& truth) {
 // Empty where the solver is to be tried.
 std::string why_walks(const ReferenceEffort& effort, const std::optional<std::string>& no_solver) {
   return effort.walks_only ? "asked for" : no_solver.value_or("");
+}
+
+// A stop flag that is set after some time, or once another is: cells and pairs have no clock.
+class TimeLimit {
+ public:
+  TimeLimit(double seconds, const StopFlag* stop)
+      : watcher_([this, seconds, stop] {
+          const auto end =
+              std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+          std::unique_lock lock(mutex_);
+          while (!is_over_ && !is_set(stop) && std::chrono::steady_clock::now() < end)
+            over_.wait_for(lock, std::chrono::milliseconds(20));
+          if (!is_over_) flag_ = true;
+        }) {}
+  TimeLimit(const TimeLimit&) = delete;
+  TimeLimit& operator=(const TimeLimit&) = delete;
+  ~TimeLimit() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    over_.notify_one();
+    watcher_.join();
+  }
+  [[nodiscard]] const StopFlag* flag() const { return &flag_; }
+
+ private:
+  StopFlag flag_ = false;
+  bool is_over_ = false;
+  std::mutex mutex_;
+  std::condition_variable over_;
+  std::thread watcher_;  // last: it uses the others
+};
+
+// The monitor with the limit's flag in the place of its own.
+RunMonitor limited(RunMonitor monitor, const TimeLimit& limit) {
+  monitor.stop = limit.flag();
+  return monitor;
 }
 
 TruthRequest request_of(const Stack& stack, const ReferenceEffort& effort) {
@@ -116,7 +158,8 @@ Lobes lobes_of(const Stack& stack, const ReferenceEffort& effort, const RunMonit
   if (reason.empty()) {
     lobes.request = by_solver(open, effort.tolerance, seconds);
     try {
-      lobes.runs = runs_of(lobes.request, monitor);
+      const TimeLimit limit(seconds, monitor.stop);
+      lobes.runs = runs_of(lobes.request, limited(monitor, limit));
       const auto better = why_walks_are_better(lobes.runs, lobes.request);
       if (!better) {
         lobes.method = lobes_by_solver(lobes.runs, effort.tolerance);
@@ -142,8 +185,9 @@ PairTruth points_of(const Stack& stack, const ReferenceEffort& effort,
   reason = why_walks(effort, why_not_deterministic(stack));
   if (reason.empty()) {
     try {
-      PairTruth truth =
-          truth_of_pairs(by_solver(open, effort.point_tolerance, seconds), pairs, monitor);
+      const TimeLimit limit(seconds, monitor.stop);
+      PairTruth truth = truth_of_pairs(by_solver(open, effort.point_tolerance, seconds), pairs,
+                                       limited(monitor, limit));
       if (!has_wide_bounds(truth)) return truth;
       reason = fmt::format("the solver's bounds are above {} of f at most points", kWideBound);
     } catch (const NoAnswerError&) {

@@ -15,15 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of a piece that is no walk: a solved run, the answer of a sweep's point.
-constexpr std::uint64_t kMostPieceBytes = std::uint64_t{256} << 20;
-
-// What the batches of a simulation take at most: their sums, and what lanes need to go on.
-std::uint64_t most_bytes(const Simulation& simulation) {
-  const std::uint64_t sums = simulation.batches().front().f.size();
-  return kBatches * (sums * 2 * sizeof(double) + 4096) + 4096;
-}
-
 Shard shard_of(const PartFile& part) {
   const Json& list = part.header().value("part", Json());
   if (list.is_array() && list.size() == 2 && list[0].is_number_unsigned() &&
@@ -55,7 +46,7 @@ RunKeeper::Found MergedKeeper::begin(Simulation& simulation) {
     if (!part->has(number)) continue;
     try {
       const SavedWalks saved =
-          restore_walks(part->piece(number, most_bytes(simulation)), simulation, there);
+          restore_walks(part->piece(number, most_walk_bytes(simulation)), simulation, there);
       if (!saved.done) throw DamagedBytes("its walks are not done");
       if (walks && *walks != saved.walks)
         throw DamagedBytes(fmt::format("it has {} walks, others {}", saved.walks, *walks));

@@ -67,25 +67,46 @@ Json parsed(const std::string& text) {
 }  // namespace
 
 void write_part(const fs::path& path, const Part& part) {
-  const std::string header = part.header.dump();
-  NumberWriter sizes;
+  StoredPieces pieces;
+  for (const auto& [number, bytes] : part.pieces) pieces.emplace(number, StoredPiece(bytes));
+  write_part(path, part.header, pieces);
+}
+
+void write_part(const fs::path& path, const Json& header_json, const StoredPieces& pieces) {
+  const std::string header = header_json.dump();
+  NumberWriter sizes, table;
   sizes.put(static_cast<std::uint64_t>(header.size()));
-  sizes.put(static_cast<std::uint64_t>(part.pieces.size()));
-  NumberWriter table;
-  std::size_t size = 0;
-  for (const auto& [number, bytes] : part.pieces) {
+  sizes.put(static_cast<std::uint64_t>(pieces.size()));
+  for (const auto& [number, piece] : pieces) {
     table.put(number);
-    table.put(static_cast<std::uint64_t>(bytes.size()));
-    size += bytes.size();
+    table.put(piece.size());
   }
-  std::string all(kFormat);
-  all += sizes.take();
-  all += header;
-  all += table.take();
-  all.reserve(all.size() + size + kSumBytes);
-  for (const auto& [number, bytes] : part.pieces) all += bytes;
-  all += content_hash(all) + '\n';
-  write_file(path, all);
+  write_file(path, [&](const AddBytes& add) {
+    ContentHash hash;
+    const auto put = [&](std::string_view bytes) {
+      hash.add(bytes);
+      add(bytes);
+    };
+    put(kFormat);
+    put(sizes.take());
+    put(header);
+    put(table.take());
+    for (const auto& [number, piece] : pieces) put(piece.bytes());
+    add(hash.digits() + '\n');
+  });
+}
+
+StoredPieces pieces_of(const std::shared_ptr<const PartFile>& file) {
+  StoredPieces pieces;
+  for (const std::uint64_t number : file->numbers())
+    pieces.emplace(number, StoredPiece(file, number));
+  return pieces;
+}
+
+std::map<std::uint64_t, std::string> loaded(const StoredPieces& pieces) {
+  std::map<std::uint64_t, std::string> all;
+  for (const auto& [number, piece] : pieces) all.emplace(number, piece.bytes());
+  return all;
 }
 
 std::string SentPieces::piece(std::uint64_t number, std::uint64_t most) const {
@@ -153,6 +174,14 @@ std::string PartFile::piece(std::uint64_t number, std::uint64_t most) const {
     refuse(fmt::format("found {} bytes in piece {}, which has at most {}", found->second.size,
                        number, most));
   return bytes_at(path_, found->second.from, found->second.size);
+}
+
+std::uint64_t PartFile::size_of(std::uint64_t piece) const { return places_.at(piece).size; }
+
+std::vector<std::uint64_t> PartFile::numbers() const {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [number, place] : places_) numbers.push_back(number);
+  return numbers;
 }
 
 Part PartFile::all(std::uint64_t most) const {

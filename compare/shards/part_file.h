@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace lamella {
 
@@ -26,6 +28,10 @@ inline constexpr std::uint64_t kInputPiece = std::numeric_limits<std::uint64_t>:
 
 /// Writes the whole file or nothing (write_file). Throws OutputError.
 void write_part(const std::filesystem::path& path, const Part& part);
+/// The same of pieces of which some lie in other files, or in the one that is replaced: no more
+/// than one of them is in memory at a time. Throws UsageError, too, where such a file was changed.
+void write_part(const std::filesystem::path& path, const nlohmann::ordered_json& header,
+                const std::map<std::uint64_t, class StoredPiece>& pieces);
 
 /// The pieces of a part of a run, by their numbers.
 class Pieces {
@@ -78,7 +84,10 @@ class PartFile : public Pieces {
   [[nodiscard]] bool has(std::uint64_t piece) const override { return places_.contains(piece); }
   [[nodiscard]] std::size_t pieces() const { return places_.size(); }
   [[nodiscard]] std::string piece(std::uint64_t number, std::uint64_t most) const override;
-  /// All of it, for a run that goes on. Throws UsageError where that is more than `most` bytes.
+  [[nodiscard]] std::uint64_t size_of(std::uint64_t piece) const;
+  /// The numbers of the pieces.
+  [[nodiscard]] std::vector<std::uint64_t> numbers() const;
+  /// All of it in memory. Throws UsageError where that is more than `most` bytes.
   [[nodiscard]] Part all(std::uint64_t most) const;
 
   [[nodiscard]] std::string allowed() const override {
@@ -93,5 +102,34 @@ class PartFile : public Pieces {
   nlohmann::ordered_json header_;
   std::map<std::uint64_t, Place> places_;
 };
+
+/// A piece in memory, or in a part file, from which it is read when it is asked for.
+class StoredPiece {
+ public:
+  explicit StoredPiece(std::string bytes) : bytes_(std::move(bytes)) {}
+  StoredPiece(std::shared_ptr<const PartFile> file, std::uint64_t number)
+      : file_(std::move(file)), number_(number) {}
+
+  [[nodiscard]] bool is_in_file() const { return file_ != nullptr; }
+  [[nodiscard]] std::uint64_t size() const {
+    return file_ ? file_->size_of(number_) : bytes_.size();
+  }
+  /// Throws UsageError where it lies in a file and has more than `most` bytes.
+  [[nodiscard]] std::string bytes(
+      std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
+    return file_ ? file_->piece(number_, most) : bytes_;
+  }
+
+ private:
+  std::string bytes_{};
+  std::shared_ptr<const PartFile> file_{};
+  std::uint64_t number_ = 0;
+};
+using StoredPieces = std::map<std::uint64_t, StoredPiece>;
+
+/// All pieces of a file, none of them read.
+[[nodiscard]] StoredPieces pieces_of(const std::shared_ptr<const PartFile>& file);
+/// All of them in memory.
+[[nodiscard]] std::map<std::uint64_t, std::string> loaded(const StoredPieces& pieces);
 
 }  // namespace lamella

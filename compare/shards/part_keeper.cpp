@@ -17,9 +17,8 @@ constexpr double kWritingShare = 20;
 
 }  // namespace
 
-PartKeeper::PartKeeper(Shard shard, std::optional<Checkpoint> checkpoint,
-                       std::map<std::uint64_t, std::string> found, const StopFlag* stop,
-                       std::function<void(const std::string&)> warn)
+PartKeeper::PartKeeper(Shard shard, std::optional<Checkpoint> checkpoint, StoredPieces found,
+                       const StopFlag* stop, std::function<void(const std::string&)> warn)
     : shard_(shard),
       checkpoint_(std::move(checkpoint)),
       pieces_(std::move(found)),
@@ -39,7 +38,8 @@ RunKeeper::Found PartKeeper::begin(Simulation& simulation) {
   if (found == pieces_.end()) return {};
   try {
     std::vector<bool> there;
-    const SavedWalks saved = restore_walks(found->second, simulation, there);
+    const SavedWalks saved =
+        restore_walks(found->second.bytes(most_walk_bytes(simulation)), simulation, there);
     if (static_cast<int>(saved.batches.size()) != range.end - range.first)
       throw DamagedBytes("it has batches of another part");
     return {saved.done, saved.seconds};
@@ -55,7 +55,9 @@ bool PartKeeper::is_due() const { return checkpoint_ && Clock::now() >= due_; }
 void PartKeeper::write(bool must) {
   const Clock::time_point start = Clock::now();
   try {
-    write_part(checkpoint_->file, {checkpoint_->header, pieces_});
+    write_part(checkpoint_->file, checkpoint_->header, pieces_);
+    // From here on they are read from there; reading checks what was written.
+    pieces_ = pieces_of(std::make_shared<const PartFile>(checkpoint_->file));
   } catch (const OutputError& error) {
     // The last checkpoint is whole, and walks are worth more than the next one.
     if (must) throw;
@@ -66,27 +68,35 @@ void PartKeeper::write(bool must) {
                             std::max(checkpoint_->seconds, kWritingShare * took.count())));
 }
 
+void PartKeeper::put(std::uint64_t number, std::string bytes) {
+  pieces_.insert_or_assign(number, StoredPiece(std::move(bytes)));
+}
+
 void PartKeeper::save() {
   if (checkpoint_) write(true);
 }
 
 void PartKeeper::checkpoint(const Simulation& simulation, double seconds, bool now) {
   if (!checkpoint_ || !(now || is_due())) return;
-  pieces_[walking_] = save_walks(simulation, seconds, false);
+  put(walking_, save_walks(simulation, seconds, false));
   write(now);
 }
 
 void PartKeeper::end(const Simulation& simulation, double seconds) {
-  pieces_[walking_] = save_walks(simulation, seconds, true);
+  put(walking_, save_walks(simulation, seconds, true));
   if (is_due()) write(false);
 }
 
 std::optional<std::string> PartKeeper::piece(const Make& make) {
   const std::uint64_t number = next_++;
-  if (const auto found = pieces_.find(number); found != pieces_.end()) return found->second;
+  if (const auto found = pieces_.find(number); found != pieces_.end())
+    return found->second.bytes(kMostPieceBytes);
   if (!shard_.has(number)) return std::nullopt;
   std::string bytes = make();
-  if (!is_set(stop_)) pieces_[number] = bytes;
+  if (!is_set(stop_)) {
+    put(number, bytes);
+    if (is_due()) write(false);
+  }
   return bytes;
 }
 

@@ -25,9 +25,8 @@ struct Checkpoint {
 class PartKeeper : public RunKeeper {
  public:
   /// `found`: the pieces that an earlier run found. `stop`: once set, what is found is not whole.
-  PartKeeper(Shard shard, std::optional<Checkpoint> checkpoint,
-             std::map<std::uint64_t, std::string> found, const StopFlag* stop,
-             std::function<void(const std::string&)> warn);
+  PartKeeper(Shard shard, std::optional<Checkpoint> checkpoint, StoredPieces found,
+             const StopFlag* stop, std::function<void(const std::string&)> warn);
 
   [[nodiscard]] Found begin(Simulation& simulation) override;
   void checkpoint(const Simulation& simulation, double seconds, bool now) override;
@@ -36,17 +35,18 @@ class PartKeeper : public RunKeeper {
 
   /// Writes the checkpoint, if there is one, now. Throws OutputError.
   void save();
-  /// All pieces so far.
-  [[nodiscard]] const std::map<std::uint64_t, std::string>& pieces() const { return pieces_; }
+  /// All pieces so far; with a checkpoint, those that it holds are read from there.
+  [[nodiscard]] const StoredPieces& pieces() const { return pieces_; }
 
  private:
   using Clock = std::chrono::steady_clock;
   void write(bool must);
+  void put(std::uint64_t number, std::string bytes);
   [[nodiscard]] bool is_due() const;
 
   Shard shard_;
   std::optional<Checkpoint> checkpoint_;
-  std::map<std::uint64_t, std::string> pieces_;
+  StoredPieces pieces_;
   const StopFlag* stop_;
   std::function<void(const std::string&)> warn_;
   std::uint64_t next_ = 0, walking_ = 0;  // numbers of pieces: the next, that of the walks

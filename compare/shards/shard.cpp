@@ -13,6 +13,11 @@ BatchRange Shard::batches(std::uint64_t piece) const {
           static_cast<int>((place + 1) * kBatches / count)};
 }
 
+std::uint64_t most_walk_bytes(const Simulation& simulation) {
+  const std::uint64_t sums = simulation.batches().front().f.size();
+  return kBatches * (sums * 2 * sizeof(double) + 4096) + 4096;
+}
+
 std::string Shard::text() const { return fmt::format("{}/{}", index, count); }
 
 Shard parse_shard(const std::string& text) {

@@ -27,6 +27,12 @@ struct Shard {
 /// The most parts of a run.
 inline constexpr std::uint64_t kMostShards = 1000000;
 
+/// Bytes of a piece that is no walk at most: a solved run, the answer of a sweep's point.
+inline constexpr std::uint64_t kMostPieceBytes = std::uint64_t{256} << 20;
+/// What the batches of a simulation take at most as bytes: their sums, and what lanes need to go
+/// on.
+[[nodiscard]] std::uint64_t most_walk_bytes(const Simulation& simulation);
+
 /// --shard: I/N. Throws UsageError.
 [[nodiscard]] Shard parse_shard(const std::string& text);
 

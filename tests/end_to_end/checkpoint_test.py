@@ -97,6 +97,24 @@ class ARunGoesOn(ProgramTest):
         for name in ("truth.exr", "lambert.exr"):
             self.assertEqual(self.bytes_of(f"whole/{name}"), self.bytes_of(f"out/{name}"))
 
+    def test_of_a_part_of_a_sweep(self):
+        run = ["sweep", "spongecake_plant", "--set", "layer.1.g=0.1:0.8:8", "--walks", "200000", "--wi", "60", "--grid",
+               "2x4", "--model", "lambert,albedo=0.3", "--threads", "1"]
+        shard = [*run, *OFTEN, "--shard", "1/2", "-o", "1.part"]
+        # Killed once a point is done and lies in the checkpoint.
+        with subprocess.Popen([PROGRAM, *shard], stdout=subprocess.PIPE, text=True, cwd=self.folder) as process:
+            while not (self.folder / "a.checkpoint").exists() and process.poll() is None:
+                time.sleep(0.002)
+            process.kill()
+            process.communicate()
+        self.left_over()
+        self.assertTrue((self.folder / "a.checkpoint").exists())
+        self.assertIn("goes on from a.checkpoint: ", self.lamella(*shard).err)
+        self.lamella(*run, "--shard", "2/2", "-o", "2.part", "--quiet")
+        self.lamella("merge", "1.part", "2.part", "-o", "merged", "--quiet")
+        self.assertEqual(len(list((self.folder / "merged/points").glob("*.json"))), 8)
+        self.assertIn("goes on in its folder", self.lamella(*run, *OFTEN, "-o", "out", status=2).err)
+
     def test_with_the_solver(self):
         run = ["simulate", "sggx_slab", "--estimator", "deterministic", "--grid", "4x8", "--wi", "60", "--quiet"]
         self.lamella(*run, "-o", "whole.exr")

@@ -43,6 +43,22 @@ TEST(PartFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(file.all(7).pieces, kPart.pieces);
 }
 
+TEST(PartFile, TakesPiecesFromTheFileThatItReplaces) {
+  const TemporaryFolder folder;
+  write_part(folder / "a.part", kPart);
+  StoredPieces pieces = pieces_of(std::make_shared<const PartFile>(folder / "a.part"));
+  pieces.insert_or_assign(3, StoredPiece("third"));
+  write_part(folder / "a.part", kPart.header, pieces);
+  const PartFile file(folder / "a.part");
+  EXPECT_EQ(file.piece(0, 5), "first");
+  EXPECT_EQ(file.piece(3, 5), "third");
+  EXPECT_EQ(loaded(pieces_of(std::make_shared<const PartFile>(folder / "a.part"))),
+            file.all(100).pieces);
+  // The same bytes as from memory.
+  write_part(folder / "b.part", Part{kPart.header, file.all(100).pieces});
+  EXPECT_EQ(content_hash_of_file(folder / "a.part"), content_hash_of_file(folder / "b.part"));
+}
+
 TEST(PartFile, RefusesWhatIsNotThere) {
   const TemporaryFolder folder;
   write_part(folder / "a.part", kPart);
