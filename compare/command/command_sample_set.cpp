@@ -25,6 +25,7 @@
 #include "compare/truth/ground_truth.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
+#include "phase/stack/stack_paths.h"
 
 namespace lamella {
 namespace {

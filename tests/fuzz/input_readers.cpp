@@ -17,6 +17,7 @@
 #include "compare/files/content_hash.h"
 #include "compare/files/exr_file.h"
 #include "compare/files/exr_parts.h"
+#include "compare/files/zip_entries.h"
 #include "compare/library/library_index.h"
 #include "compare/options/run_settings.h"
 #include "compare/report/lobe_files.h"
@@ -192,7 +193,7 @@ bool read_archive(const std::string& bytes) {
     std::memcpy(&more, &right[at + 28], 2);
     const std::size_t from = at + 30 + name + more;
     if (from > right.size() || size > right.size() - from) break;
-    const std::uint32_t sum = crc32_of(right.substr(from, size));
+    const std::uint32_t sum = checksum(std::string_view(right).substr(from, size));
     std::memcpy(&right[at + 14], &sum, 4);
     at = from + size;
   }
