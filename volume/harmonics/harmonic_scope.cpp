@@ -12,9 +12,9 @@ double narrowest_feature(const Stack& stack) {
   double width = 1;
   for (const Layer& layer : stack.layers) {
     if (layer.interface || layer.depth() == 0) continue;
-    const auto normals = axial_normals(layer.medium);
     width =
-        std::min(width, normals ? normals->width : 1 - std::abs(traits(layer.medium).mean_cosine));
+        std::min(width, has_normals(layer.medium) ? width_of_normals(layer.medium)
+                                                  : 1 - std::abs(traits(layer.medium).mean_cosine));
   }
   return width;
 }
