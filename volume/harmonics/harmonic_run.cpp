@@ -7,6 +7,7 @@
 
 #include "phase/math/larger_error.h"
 #include "phase/stack/single_scattering.h"
+#include "volume/harmonics/harmonic_degrees.h"
 #include "volume/harmonics/harmonic_levels.h"
 #include "volume/harmonics/pair_cells.h"
 #include "volume/solver/closed_cells.h"
@@ -15,12 +16,6 @@
 namespace lamella {
 namespace {
 
-// Degrees that are tried one after the other; each solution is the bound of the one before.
-constexpr int kDegrees[] = {12, 17, 24, 34, 48, 68, 96};
-// A change of the degree changes the time by about this power of its ratio.
-constexpr double kGrowth = 4;
-// Light that grazes more than this is solved as if it did not.
-constexpr double kLowest = 1e-6;
 // Share of the tolerance for the quadrature of order 1 over cells.
 constexpr double kFirstShare = 0.1;
 // Cells whose order 2 is integrated over pairs of mirrors, at most: they take a tenth of a second.
@@ -31,12 +26,6 @@ constexpr double kSecondShare = 0.3, kPairShare = 0.2;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// Narrow distributions change nothing at low degrees: the first one that is worth its time.
-std::size_t first_level(const Stack& stack) {
-  const double width = narrowest_feature(stack);
-  return width > 0.4 ? 0 : width > 0.2 ? 1 : width > 0.08 ? 2 : 3;
 }
 
 class Refinement {
@@ -52,9 +41,7 @@ class Refinement {
         pair_means_(2 * incident.size(),
                     std::vector<std::optional<CellMean>>(static_cast<std::size_t>(grid.cells()))) {
     for (Direction w : incident) {
-      w = with_grazing_limit(w);
-      if (std::abs(w.z) < kLowest)
-        w = direction_from_mu_phi(std::copysign(kLowest, w.z), azimuth(w));
+      w = solvable(w);
       incident_.push_back(w);
       lowest_ = std::min(lowest_, std::abs(w.z));
     }
@@ -64,10 +51,10 @@ class Refinement {
   }
 
   std::vector<RunResult> run() {
-    const std::size_t begin = first_level(stack_);
-    for (std::size_t k = begin; k < std::size(kDegrees); ++k) {
+    const std::size_t begin = first_degree(stack_);
+    for (std::size_t k = begin; k < std::size(kHarmonicDegrees); ++k) {
       const double before = seconds_since(start_);
-      if (!solve(kDegrees[k])) {
+      if (!solve(kHarmonicDegrees[k])) {
         accuracy_.limit = DeterministicLimit::interrupted;
         break;
       }
@@ -76,12 +63,11 @@ class Refinement {
       if (!accuracy_.reached && solve_pairs(true)) judge();
       if (accuracy_.reached) break;
       const double took = seconds_since(start_) - before;
-      if (k + 1 == std::size(kDegrees) || kDegrees[k + 1] > options_.max_degree) {
+      if (k + 1 == std::size(kHarmonicDegrees) || kHarmonicDegrees[k + 1] > options_.max_degree) {
         accuracy_.limit = DeterministicLimit::modes;
         break;
       }
-      const double next =
-          took * std::pow(static_cast<double>(kDegrees[k + 1]) / kDegrees[k], kGrowth);
+      const double next = took * growth(k);
       if (seconds_since(start_) + next > options_.max_seconds) {
         accuracy_.limit = DeterministicLimit::time;
         break;
@@ -109,12 +95,7 @@ class Refinement {
     for (const int channel : channels_) {
       const HarmonicTransport transport(
           stack_, channel,
-          {.degree = degree,
-           .depth_nodes = std::min(8, 5 + levels_.count()),
-           .finest = std::min(options_.tolerance < 1e-6 ? 1e-3 : 4e-3, lowest_ / 4),
-           .residual = std::clamp(options_.tolerance / 100, 1e-12, 1e-8),
-           .isa = options_.isa,
-           .stop = stop});
+          resolution_of(degree, levels_.count(), lowest_, options_.tolerance, options_.isa, stop));
       next.answers.emplace_back();
       for (const Direction wi : incident_) {
         report(degree);
