@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "phase/math/real.h"
-#include "volume/harmonics/circle_sum.h"
+#include "volume/harmonics/circle_task.h"
 
 namespace lamella {
 

@@ -9,6 +9,7 @@
 
 #include "tests/statistics/statistics.h"
 #include "tests/volume/solver/deterministic_stacks.h"
+#include "volume/harmonics/harmonic_pairs.h"
 #include "volume/harmonics/harmonic_solution.h"
 #include "volume/run/simulation.h"
 #include "volume/solver/deterministic_run.h"
@@ -254,6 +255,31 @@ TEST(HarmonicRun, AgreesWithWalksOnRandomStacks) {
           agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]}, "cell");
     }
   }
+}
+
+// Values at pairs, those of mirrors among them, within both bounds of the symmetric solver's; and
+// nothing below an opaque ground.
+TEST(HarmonicPairs, AreWithinTheirBounds) {
+  const Stack stack =
+      stack_of(layer(sggx(0.5, "mirror") + "\nf0 = [0.9, 0.5, 0.5]", 0.9, 1) + lambert_ground(0.4));
+  const DeterministicSolution expected = solve_deterministic(stack, {.tolerance = 1e-5});
+  const std::vector<std::pair<Direction, Direction>> pairs{
+      {direction_from_mu_phi(0.6, 0), direction_from_mu_phi(0.5, 2)},
+      {direction_from_mu_phi(0.9, 0), direction_from_mu_phi(0.2, 0.5)},
+      {direction_from_mu_phi(0.6, 0), direction_from_mu_phi(0, 3)},
+      {direction_from_mu_phi(0.6, 0), direction_from_mu_phi(-0.5, 3)}};
+  DeterministicAccuracy accuracy;
+  const auto found =
+      harmonic_pairs(stack, pairs, {.tolerance = 1e-3, .max_seconds = kInfinity}, accuracy);
+  ASSERT_EQ(found.size(), pairs.size());
+  EXPECT_TRUE(accuracy.reached);
+  EXPECT_LE(accuracy.error, 1e-3);
+  for (std::size_t k = 0; k + 1 < pairs.size(); ++k) {
+    const DeterministicValue f = expected.f(pairs[k].first, with_grazing_limit(pairs[k].second));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(found[k].f[c], f.order[Order::all][c], found[k].error[c] + f.error[c]) << k;
+  }
+  EXPECT_EQ(found[3].f, Rgb());
 }
 
 // Ctrl-C in the middle of a degree leaves what the degree before it gave.
