@@ -47,8 +47,8 @@ class Harmonics(ProgramTest):
         pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.7,50\n")
 
         def value(*settings):
-            out = self.lamella("eval", "truth", "stack=fabric.toml", *settings, "--pairs", pairs,
-                               "--quiet").out.splitlines()
+            out = self.lamella("eval", "truth", "stack=fabric.toml", *settings, "--pairs",
+                               pairs).out.splitlines()
             names, numbers = out[0].split(","), [float(x) for x in out[1].split(",")]
             row = dict(zip(names, numbers))
             return [row[n] for n in names if n.startswith("f")], \
