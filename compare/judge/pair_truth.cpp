@@ -70,6 +70,29 @@ void warn_of_bounds(const std::vector<TruthValue>& truth, const DeterministicSol
         worst, a.nodes, a.modes, to_text(tolerance)));
 }
 
+// Of a stack without symmetry about the normal.
+std::vector<TruthValue> truth_in_harmonics(const TruthRequest& request,
+                                           const std::vector<DirectionPair>& pairs,
+                                           const RunMonitor& monitor) {
+  std::vector<std::pair<Direction, Direction>> directions;
+  directions.reserve(pairs.size());
+  for (const DirectionPair& pair : pairs) {
+    check_pair(request.stack, pair);
+    directions.emplace_back(pair.wi, pair.wo);
+  }
+  DeterministicAccuracy accuracy;
+  std::vector<TruthValue> truth;
+  for (const HarmonicPair& value :
+       harmonic_values(request, directions, monitor.stop, monitor.solver, accuracy))
+    truth.push_back({.f = value.f, .standard_error = value.error});
+  if (!accuracy.reached)
+    monitor.warn(fmt::format(
+        "truth: the solver's bound is {:.1e} of a value at worst after spherical harmonics of "
+        "degree {}, short of tolerance {}; see se",
+        accuracy.error, accuracy.harmonics, to_text(request.tolerance)));
+  return truth;
+}
+
 }  // namespace
 
 PairTruth truth_of_pairs(const TruthRequest& request, const std::vector<DirectionPair>& pairs,
@@ -77,10 +100,10 @@ PairTruth truth_of_pairs(const TruthRequest& request, const std::vector<Directio
   PairTruth answer;
   std::vector<TruthValue> truth;
   const auto choose = [&] {
-    answer.choice = choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver,
-                                     TruthAt::pairs);
-    if (!answer.choice.solution) return;
-    truth = truth_at(*answer.choice.solution, pairs, monitor.solver);
+    answer.choice = choose_estimator(request, Estimator::next_event, monitor.stop, monitor.solver);
+    if (!answer.is_solved()) return;
+    truth = answer.choice.solution ? truth_at(*answer.choice.solution, pairs, monitor.solver)
+                                   : truth_in_harmonics(request, pairs, monitor);
     if (const auto reason = why_no_answer(truth)) {
       if (request.estimator) refuse_answer(request.stack, *reason);
       answer.choice = EstimatorChoice{Estimator::next_event, *reason, nullptr};

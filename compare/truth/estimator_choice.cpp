@@ -40,28 +40,28 @@ void end_where_it_ended(DeterministicOptions& solver, const TruthRequest& reques
   solver.max_seconds = std::numeric_limits<double>::infinity();
 }
 
-std::optional<std::string> why_no_solver(const Stack& stack, TruthAt at) {
+std::optional<std::string> why_no_solver(const Stack& stack) {
   const bool symmetric = stack.grains() || stack.has_grid() || stack.is_symmetric_about_z();
-  return symmetric || at == TruthAt::pairs ? why_not_deterministic(stack) : why_not_harmonic(stack);
+  return symmetric ? why_not_deterministic(stack) : why_not_harmonic(stack);
 }
 
 }  // namespace
 
-void check_estimator(const TruthRequest& request, TruthAt at) {
+void check_estimator(const TruthRequest& request) {
   if (request.estimator != Estimator::deterministic) return;
-  if (const auto reason = why_no_solver(request.stack, at))
+  if (const auto reason = why_no_solver(request.stack))
     throw UsageError(fmt::format(
         "--estimator: found \"deterministic\" for {}, but {}; allowed: auto, analog, next-event",
         request.stack.name, *reason));
 }
 
 EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
-                                 const StopFlag* stop, const SolverReport& report, TruthAt at) {
+                                 const StopFlag* stop, const SolverReport& report) {
   const Stack& stack = request.stack;
   if (request.estimator && *request.estimator != Estimator::deterministic)
     return {*request.estimator, "asked for", nullptr};
-  check_estimator(request, at);
-  if (request.estimator && at == TruthAt::cells && !stack.is_symmetric_about_z())
+  check_estimator(request);
+  if (request.estimator && !stack.is_symmetric_about_z())
     return {Estimator::deterministic, "asked for", nullptr};
   DeterministicOptions solver{.tolerance = kSolverShare * request.tolerance,
                               .isa = request.isa,
@@ -77,7 +77,7 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
   }
   if (!request.given.empty())
     return {of_walks, fmt::format("{} asks for walks", to_text(request.given.front())), nullptr};
-  if (const auto reason = why_no_solver(stack, at)) return {of_walks, *reason, nullptr};
+  if (const auto reason = why_no_solver(stack)) return {of_walks, *reason, nullptr};
   if (!stack.is_symmetric_about_z() && narrowest_feature(stack) < kNarrow)
     return {of_walks,
             fmt::format("the stack is not symmetric about the normal and scatters as narrowly as "
@@ -157,8 +157,10 @@ std::shared_ptr<const DeterministicSolution> refined(const TruthRequest& request
   return std::make_shared<const DeterministicSolution>(solve_deterministic(request.stack, solver));
 }
 
-std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& plan,
-                                      const StopFlag* stop, const SolverReport& report) {
+namespace {
+
+HarmonicOptions harmonic_options(const TruthRequest& request, const StopFlag* stop,
+                                 const SolverReport& report) {
   HarmonicOptions solver{
       .tolerance = request.tolerance,
       .max_seconds = request.estimator ? request.effort.seconds.value_or(kSeconds) : kTrialSeconds,
@@ -169,7 +171,22 @@ std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& p
     solver.max_degree = request.solver_end->modes[0] - 1;
     solver.max_seconds = std::numeric_limits<double>::infinity();
   }
-  return harmonic_runs(request.stack, plan, request.directions, request.cells, solver);
+  return solver;
+}
+
+}  // namespace
+
+std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& plan,
+                                      const StopFlag* stop, const SolverReport& report) {
+  return harmonic_runs(request.stack, plan, request.directions, request.cells,
+                       harmonic_options(request, stop, report));
+}
+
+std::vector<HarmonicPair> harmonic_values(const TruthRequest& request,
+                                          std::span<const std::pair<Direction, Direction>> pairs,
+                                          const StopFlag* stop, const SolverReport& report,
+                                          DeterministicAccuracy& accuracy) {
+  return harmonic_pairs(request.stack, pairs, harmonic_options(request, stop, report), accuracy);
 }
 
 std::string reached_by(const std::vector<RunResult>& harmonic_cells) {

@@ -2,11 +2,14 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compare/request/interrupt.h"
 #include "compare/request/truth_request.h"
+#include "volume/harmonics/harmonic_pairs.h"
 #include "volume/result/run_result.h"
 #include "volume/solver/deterministic.h"
 
@@ -17,7 +20,7 @@ struct EstimatorChoice {
   Estimator estimator = Estimator::analog;
   std::string reason;
   /// The solved stack, where the estimator is deterministic and the stack symmetric about the
-  /// normal; else cells are solved in spherical harmonics (volume/harmonics).
+  /// normal; else cells and pairs are solved in spherical harmonics (volume/harmonics).
   std::shared_ptr<const DeterministicSolution> solution;
 
   /// Whether the deterministic estimator works in spherical harmonics.
@@ -26,23 +29,18 @@ struct EstimatorChoice {
   }
 };
 
-/// Where a truth is asked for: on cells, for which there are both solvers, or at pairs of
-/// directions, for which there is only the solver of symmetric stacks.
-enum class TruthAt { cells, pairs };
-
 /// The estimator asked for, or the choice of `auto`. `auto` takes walks where an option was given
 /// that has a use for walks only, or where the solver does not apply. Else it tries the
 /// deterministic solver, with few enough nodes and modes (the same on any machine) to be done in
 /// seconds, and takes the solution if it reaches the tolerance, if its error is smaller than the
 /// error of an energy by walks at best, or if it is interrupted on the way. Else it takes walks.
-/// Cells of a stack that is not symmetric about the normal are solved in spherical harmonics,
+/// A stack that is not symmetric about the normal is solved in spherical harmonics,
 /// unless the stack scatters too narrowly. `of_walks`: the estimator of walks where none is named.
 /// `report` receives the solver's progress. Throws UsageError where the solver is asked for and
 /// does not apply, NoAnswerError where it is asked for and has no answer.
 [[nodiscard]] EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks,
                                                const StopFlag* stop,
-                                               const SolverReport& report = {},
-                                               TruthAt at = TruthAt::cells);
+                                               const SolverReport& report = {});
 
 /// The reason why walks answer better than these cells of a solution, if they do: the solution has
 /// no answer for a direction (volume/solver/answer_check.h), or its cells miss the tolerance and
@@ -69,13 +67,18 @@ enum class TruthAt { cells, pairs };
 
 /// Throws UsageError where the deterministic estimator is asked for and does not apply: cheap,
 /// before any work.
-void check_estimator(const TruthRequest& request, TruthAt at = TruthAt::cells);
+void check_estimator(const TruthRequest& request);
 
 /// Cells of a stack without symmetry about the normal. Of a run that is repeated: at the degree
 /// that it ended with.
 [[nodiscard]] std::vector<RunResult> harmonic_cells(const TruthRequest& request, const Plan& plan,
                                                     const StopFlag* stop,
                                                     const SolverReport& report);
+
+/// f at pairs (w_i, w_o) in spherical harmonics, within the request's time.
+[[nodiscard]] std::vector<HarmonicPair> harmonic_values(
+    const TruthRequest& request, std::span<const std::pair<Direction, Direction>> pairs,
+    const StopFlag* stop, const SolverReport& report, DeterministicAccuracy& accuracy);
 
 /// Why `auto` took them: "the solver reaches 6.9e-05 with spherical harmonics of degree 34".
 [[nodiscard]] std::string reached_by(const std::vector<RunResult>& harmonic_cells);

@@ -313,7 +313,7 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
   table.closed_ = !is_first_closed(stack)       ? Closed::zero
                   : law && law->is_stochastic() ? Closed::nothing
                                                 : Closed::order_one;
-  check_estimator(drawn, TruthAt::pairs);
+  check_estimator(drawn);
   const bool solvable = !why_not_deterministic(stack) && request.given.empty();
   const bool must = request.estimator == Estimator::deterministic;
   std::optional<std::string> unsolved = "not tried";

@@ -16,11 +16,6 @@
 namespace lamella {
 namespace {
 
-void refuse_double_grazing(const DirectionPair& pair) {
-  if (std::abs(pair.wi.z) < kGrazingLimit && std::abs(pair.wo.z) < kGrazingLimit)
-    throw std::invalid_argument("both cosines are 0; allowed: at most one");
-}
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -66,7 +61,20 @@ double relative_azimuth(Direction wi, Direction wo) {
   return std::atan2(wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
 }
 
+void refuse_double_grazing(const DirectionPair& pair) {
+  if (std::abs(pair.wi.z) < kGrazingLimit && std::abs(pair.wo.z) < kGrazingLimit)
+    throw std::invalid_argument("both cosines are 0; allowed: at most one");
+}
+
 }  // namespace
+
+void check_pair(const Stack& stack, const DirectionPair& pair) {
+  refuse_double_grazing(pair);
+  if (with_grazing_limit(pair.wi).z < 0 && !stack.is_open_below())
+    throw std::invalid_argument(stack.substrate
+                                    ? "light from below meets an opaque substrate"
+                                    : "light from below cannot come through a half space");
+}
 
 std::string to_bytes(const std::vector<TruthValue>& values) {
   NumberWriter out;
@@ -104,12 +112,8 @@ std::vector<TruthValue> truth_at(const Stack& stack, const Plan& plan,
   const bool reciprocal = stack.is_reciprocal();
   const double below = stack.index_of(stack.layers.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    refuse_double_grazing(pairs[k]);
+    check_pair(stack, pairs[k]);
     Direction wi = with_grazing_limit(pairs[k].wi), wo = with_grazing_limit(pairs[k].wo);
-    if (wi.z < 0 && !stack.is_open_below())
-      throw std::invalid_argument(stack.substrate
-                                      ? "light from below meets an opaque substrate"
-                                      : "light from below cannot come through a half space");
     if (wo.z < 0 && !stack.is_open_below()) continue;  // nothing gets there
     double factor = 1;
     if (reciprocal && std::abs(wo.z) < std::abs(wi.z)) {

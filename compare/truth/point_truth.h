@@ -24,6 +24,10 @@ struct TruthValue {
   std::array<Estimate, 3> unresolved{};
 };
 
+/// Throws std::invalid_argument where a pair has no f: both cosines 0, or light from below where
+/// the stack is closed there.
+void check_pair(const Stack& stack, const DirectionPair& pair);
+
 /// Next-event estimation at each pair, `walks` per incident direction. Where the stack is
 /// reciprocal and w_o is nearer to grazing than w_i, the reversed pair is simulated instead, whose
 /// variance is bounded. The delta parts are left out. mu = 0 is the limit from above; both at once

@@ -41,10 +41,24 @@ class Harmonics(ProgramTest):
         answer = self.lamella("simulate", "coated.toml", "--estimator", "deterministic", status=2)
         self.assertIn("interfaces", answer.err)
         self.assertEqual(len(answer.err.splitlines()), 1)
-        pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.7,0\n")
-        answer = self.lamella("eval", "truth", "stack=fabric.toml", "estimator=deterministic",
-                              "--pairs", pairs, status=2)
-        self.assertEqual(len(answer.err.splitlines()), 1)
+
+    def test_values_at_pairs_are_those_of_walks(self):
+        self.write("fabric.toml", FABRIC)
+        pairs = self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.7,50\n")
+
+        def value(*settings):
+            out = self.lamella("eval", "truth", "stack=fabric.toml", *settings, "--pairs",
+                               pairs).out.splitlines()
+            names, numbers = out[0].split(","), [float(x) for x in out[1].split(",")]
+            row = dict(zip(names, numbers))
+            return [row[n] for n in names if n.startswith("f")], \
+                [row[n] for n in names if n.startswith("se")]
+
+        solved, bound = value("estimator=deterministic", "tolerance=1e-3")
+        walked, error = value("walks=1e5")
+        for f, b, g, e in zip(solved, bound, walked, error):
+            self.assertLessEqual(b, 1e-3 * f)
+            self.assertLess(abs(f - g), b + 5 * e)
 
     def test_a_run_is_repeated_to_the_degree_where_it_ended(self):
         self.lamella("simulate", "fabric.toml", "--wi", "30", "--grid", "2x4", "--tolerance", "2e-2",

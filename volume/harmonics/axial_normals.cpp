@@ -7,11 +7,15 @@
 namespace lamella {
 namespace {
 
-std::optional<AxialNormals> axial(const Sggx& ndf) {
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes_of(const Sggx& ndf) {
   const SggxMatrix<double>& a = ndf.matrix();
   Eigen::Matrix3d lower;
   lower << a.a00, 0, 0, a.a10, a.a11, 0, a.a20, a.a21, a.a22;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(lower * lower.transpose());
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(lower * lower.transpose());
+}
+
+std::optional<AxialNormals> axial(const Sggx& ndf) {
+  const auto solver = axes_of(ndf);
   const Eigen::Vector3d& s = solver.eigenvalues();
   constexpr double kSame = 1e-12;
   // Ascending: the axis is that of the eigenvalue that stands alone.
@@ -61,6 +65,13 @@ struct OfMedium {
 
 std::optional<AxialNormals> axial_normals(const Medium& medium) {
   return std::visit(OfMedium(), medium);
+}
+
+double width_of_normals(const Medium& medium) {
+  if (const auto normals = axial_normals(medium)) return normals->width;
+  const auto* mirrors = std::get_if<MirrorFlakes<Sggx>>(&medium);
+  const auto solver = axes_of(mirrors ? mirrors->ndf : std::get<LambertFlakes<Sggx>>(medium).ndf);
+  return std::sqrt(solver.eigenvalues()[0] / solver.eigenvalues()[2]);
 }
 
 bool has_normals(const Medium& medium) { return traits(medium).has_axis; }

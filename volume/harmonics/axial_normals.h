@@ -21,6 +21,9 @@ struct AxialNormals {
 /// distinct eigenvalues).
 [[nodiscard]] std::optional<AxialNormals> axial_normals(const Medium& medium);
 
+/// Of flakes, with an axis of symmetry or without one: the angle over which D is smooth.
+[[nodiscard]] double width_of_normals(const Medium& medium);
+
 /// Whether the medium consists of flakes.
 [[nodiscard]] bool has_normals(const Medium& medium);
 

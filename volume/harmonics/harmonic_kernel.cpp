@@ -9,6 +9,7 @@
 
 #include "phase/math/color.h"
 #include "volume/harmonics/axial_normals.h"
+#include "volume/harmonics/flake_events.h"
 #include "volume/harmonics/wigner.h"
 #include "volume/quadrature/quadrature.h"
 
@@ -18,41 +19,13 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Panels on [0, pi] that shrink towards places where a function is narrow, with as many points as
-// products of harmonics need besides.
-Quadrature angles(const std::vector<double>& places, double width, int degree) {
-  std::vector<double> edges{0, kPi};
-  for (const double place : places) {
-    edges.push_back(place);
-    for (double distance = width / 2; distance < kPi; distance *= 2) {
-      edges.push_back(std::clamp(place - distance, 0.0, kPi));
-      edges.push_back(std::clamp(place + distance, 0.0, kPi));
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  std::vector<double> points, weights;
-  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
-    const double length = edges[k + 1] - edges[k];
-    if (length < 1e-12) continue;
-    // Waves of up to twice the degree: half a phase of (2 degree + 1) length / 2 per unit.
-    const Quadrature& rule =
-        cached_gauss_legendre(16 + static_cast<int>(0.6 * (degree + 1) * length));
-    for (Eigen::Index j = 0; j < rule.points.size(); ++j) {
-      points.push_back(edges[k] + length * rule.points[j]);
-      weights.push_back(length * rule.weights[j]);
-    }
-  }
-  return {Eigen::Map<VectorXd>(points.data(), static_cast<Eigen::Index>(points.size())),
-          Eigen::Map<VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()))};
-}
-
 double sign_of(int l) { return l % 2 ? -1 : 1; }
 
 // Funk and Hecke's factors of a phase function, by the deflection's cosine.
 VectorXd particle_factors(const Medium& medium, const HarmonicBasis& basis) {
   const int degree = basis.degree();
   const double peak = 1 - std::abs(traits(medium).mean_cosine);
-  const Quadrature rule = angles({0, kPi}, std::max(peak, 1e-8), degree);
+  const Quadrature rule = flake_angles({0, kPi}, std::max(peak, 1e-8), degree);
   VectorXd factors = VectorXd::Zero(degree + 1), values(basis.size());
   const Direction wi{0, 0, 1};
   for (Eigen::Index k = 0; k < rule.points.size(); ++k) {
@@ -71,15 +44,9 @@ VectorXd particle_factors(const Medium& medium, const HarmonicBasis& basis) {
 // arrives and once for that which leaves, about each normal.
 std::vector<MatrixXd> lambert_blocks(const AxialNormals& normals, const HarmonicBasis& basis) {
   const int degree = basis.degree();
-  const Quadrature& half = cached_gauss_legendre(degree + 4);
-  VectorXd values(basis.size()), clamped = VectorXd::Zero(degree + 1);
-  for (Eigen::Index k = 0; k < half.points.size(); ++k) {
-    basis.legendre(half.points[k], values);
-    for (int l = 0; l <= degree; ++l)
-      clamped[l] +=
-          2 * kPi * half.weights[k] * half.points[k] * values[l] * std::sqrt(4 * kPi / (2 * l + 1));
-  }
-  const Quadrature rule = angles(normals.peaks, normals.width, degree);
+  const VectorXd clamped = clamped_cosine_factors(basis);
+  VectorXd values(basis.size());
+  const Quadrature rule = flake_angles(normals.peaks, normals.width, degree);
   std::vector<MatrixXd> legendre(degree + 1);
   for (int m = 0; m <= degree; ++m) legendre[m].resize(basis.count(m), rule.points.size());
   VectorXd weights(rule.points.size());
@@ -105,24 +72,8 @@ std::vector<MatrixXd> lambert_blocks(const AxialNormals& normals, const Harmonic
 std::vector<MatrixXd> mirror_blocks(const AxialNormals& normals, double f0,
                                     const HarmonicBasis& basis, const MatrixProduct& product) {
   const int degree = basis.degree();
-  // By m: of one flake.
-  const Quadrature& half = cached_gauss_legendre(degree + 6);
-  std::vector<MatrixXd> one(degree + 1);
-  {
-    std::vector<MatrixXd> legendre(degree + 1);
-    for (int m = 0; m <= degree; ++m) legendre[m].resize(basis.count(m), half.points.size());
-    VectorXd values(basis.size()), weights(half.points.size());
-    for (Eigen::Index k = 0; k < half.points.size(); ++k) {
-      const double t = half.points[k];
-      basis.legendre(t, values);
-      for (int m = 0; m <= degree; ++m)
-        legendre[m].col(k) = values.segment(basis.first(m, false), basis.count(m));
-      weights[k] = 2 * kPi * half.weights[k] * t * (f0 + (1 - f0) * schlick_weight(t));
-    }
-    for (int m = 0; m <= degree; ++m)
-      one[m] = sign_of(m) * legendre[m] * weights.asDiagonal() * legendre[m].transpose();
-  }
-  const Quadrature rule = angles(normals.peaks, normals.width, degree);
+  const std::vector<MatrixXd> one = one_mirror(f0, basis);
+  const Quadrature rule = flake_angles(normals.peaks, normals.width, degree);
   std::vector<MatrixXd> blocks(degree + 1);
   tbb::parallel_for(0, degree + 1, [&](int m) {
     MatrixXd& block = blocks[m];
@@ -156,6 +107,12 @@ HarmonicKernel::HarmonicKernel(const Medium& medium, double f0, const HarmonicBa
     : basis_(basis), product_(product) {
   if (const auto reason = why_no_harmonics(medium)) throw std::invalid_argument(*reason);
   const auto normals = axial_normals(medium);
+  if (!normals && has_normals(medium)) {
+    const auto* mirrors = std::get_if<MirrorFlakes<Sggx>>(&medium);
+    const Sggx& ndf = mirrors ? mirrors->ndf : std::get<LambertFlakes<Sggx>>(medium).ndf;
+    triaxial_.emplace(ndf, mirrors != nullptr, f0, basis, product);
+    return;
+  }
   if (!normals) {
     by_degree_ = particle_factors(medium, basis);
     return;
@@ -171,6 +128,7 @@ HarmonicKernel::HarmonicKernel(const Medium& medium, double f0, const HarmonicBa
 }
 
 MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
+  if (triaxial_) return triaxial_->apply(radiance);
   MatrixXd source(radiance.rows(), radiance.cols());
   if (by_m_.empty()) {
     for (int m = 0; m <= basis_.degree(); ++m)
@@ -195,8 +153,6 @@ MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
 
 std::optional<std::string> why_no_harmonics(const Medium& medium) {
   if (is_delta(medium)) return "mirror flakes at roughness 0 scatter into a delta";
-  if (has_normals(medium) && !axial_normals(medium))
-    return "the flakes' normals have no axis of symmetry";
   return std::nullopt;
 }
 

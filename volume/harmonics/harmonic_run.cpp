@@ -7,53 +7,41 @@
 
 #include "phase/math/larger_error.h"
 #include "phase/stack/single_scattering.h"
-#include "volume/harmonics/axial_normals.h"
-#include "volume/harmonics/harmonic_solution.h"
+#include "volume/harmonics/harmonic_degrees.h"
+#include "volume/harmonics/harmonic_levels.h"
+#include "volume/harmonics/pair_cells.h"
 #include "volume/solver/closed_cells.h"
 #include "volume/solver/distinct_channels.h"
 
 namespace lamella {
 namespace {
 
-// Degrees that are tried one after the other; each solution is the bound of the one before.
-constexpr int kDegrees[] = {12, 17, 24, 34, 48, 68, 96};
-// A change of the degree changes the time by about this power of its ratio.
-constexpr double kGrowth = 4;
-// Light that grazes more than this is solved as if it did not.
-constexpr double kLowest = 1e-6;
 // Share of the tolerance for the quadrature of order 1 over cells.
 constexpr double kFirstShare = 0.1;
+// Cells whose order 2 is integrated over pairs of mirrors, at most: they take a tenth of a second.
+constexpr std::size_t kMostPairCells = 200;
+// Shares of the tolerance for what mirrors scatter twice: of harmonics, which are kept within it,
+// and of its quadrature.
+constexpr double kSecondShare = 0.3, kPairShare = 0.2;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Narrow distributions change nothing at low degrees: the first one that is worth its time.
-std::size_t first_level(const Stack& stack) {
-  const double width = narrowest_feature(stack);
-  return width > 0.4 ? 0 : width > 0.2 ? 1 : width > 0.08 ? 2 : 3;
-}
-
-// One direction in one channel.
-struct Answer {
-  HarmonicEnergies energies;
-  std::array<HarmonicCells, 2> sides;  // up, down
-};
-
-struct Level {
-  int degree = 0;
-  std::vector<std::vector<Answer>> answers;  // by distinct channel and direction
-};
-
 class Refinement {
  public:
   Refinement(const Stack& stack, const Plan& plan, std::span<const Direction> incident,
              CellGrid grid, const HarmonicOptions& options)
-      : stack_(stack), plan_(plan), grid_(grid), options_(options) {
+      : stack_(stack),
+        plan_(plan),
+        grid_(grid),
+        options_(options),
+        pairs_(stack, options.isa),
+        levels_(grid),
+        pair_means_(2 * incident.size(),
+                    std::vector<std::optional<CellMean>>(static_cast<std::size_t>(grid.cells()))) {
     for (Direction w : incident) {
-      w = with_grazing_limit(w);
-      if (std::abs(w.z) < kLowest)
-        w = direction_from_mu_phi(std::copysign(kLowest, w.z), azimuth(w));
+      w = solvable(w);
       incident_.push_back(w);
       lowest_ = std::min(lowest_, std::abs(w.z));
     }
@@ -63,36 +51,39 @@ class Refinement {
   }
 
   std::vector<RunResult> run() {
-    const std::size_t begin = first_level(stack_);
-    for (std::size_t k = begin; k < std::size(kDegrees); ++k) {
+    const std::size_t begin = first_degree(stack_);
+    for (std::size_t k = begin; k < std::size(kHarmonicDegrees); ++k) {
       const double before = seconds_since(start_);
-      if (!solve(kDegrees[k])) {
+      if (!solve(kHarmonicDegrees[k])) {
         accuracy_.limit = DeterministicLimit::interrupted;
         break;
       }
       if (k == begin) solve_first();
       judge();
+      if (!accuracy_.reached && solve_pairs(true)) judge();
       if (accuracy_.reached) break;
       const double took = seconds_since(start_) - before;
-      if (k + 1 == std::size(kDegrees) || kDegrees[k + 1] > options_.max_degree) {
+      if (k + 1 == std::size(kHarmonicDegrees) || kHarmonicDegrees[k + 1] > options_.max_degree) {
         accuracy_.limit = DeterministicLimit::modes;
         break;
       }
-      const double next =
-          took * std::pow(static_cast<double>(kDegrees[k + 1]) / kDegrees[k], kGrowth);
+      const double next = took * growth(k);
       if (seconds_since(start_) + next > options_.max_seconds) {
         accuracy_.limit = DeterministicLimit::time;
         break;
       }
     }
+    if (!accuracy_.reached && !is_stopped() && solve_pairs(false)) judge();
     return results();
   }
 
  private:
+  [[nodiscard]] bool is_stopped() const { return options_.stop && *options_.stop; }
+
   // Whether it was done before it was stopped; the first is done in any case.
   bool solve(int degree) {
     try {
-      solve_level(degree, now_.answers.empty() ? nullptr : options_.stop);
+      solve_level(degree, levels_.count() == 0 ? nullptr : options_.stop);
       return true;
     } catch (const HarmonicStopped&) {
       return false;
@@ -100,33 +91,30 @@ class Refinement {
   }
 
   void solve_level(int degree, const std::atomic<bool>* stop) {
-    Level next{degree, {}};
+    HarmonicLevel next{degree, {}};
     for (const int channel : channels_) {
       const HarmonicTransport transport(
           stack_, channel,
-          {.degree = degree,
-           .depth_nodes = std::min(9, 6 + static_cast<int>(levels_)),
-           .finest = std::min(1e-4, lowest_ / 4),
-           .residual = std::clamp(options_.tolerance / 100, 1e-12, 1e-8),
-           .isa = options_.isa,
-           .stop = stop});
+          resolution_of(degree, levels_.count(), lowest_, options_.tolerance, options_.isa, stop));
       next.answers.emplace_back();
       for (const Direction wi : incident_) {
-        if (options_.report)
-          options_.report({.nodes = degree,
-                           .modes = degree + 1,
-                           .error = levels_ > 0 ? accuracy_.error : 1,
-                           .seconds = seconds_since(start_)});
+        report(degree);
         const HarmonicSolution solution(transport, wi);
-        Answer answer{solution.energies(), {}};
+        HarmonicAnswer answer{solution.energies(), {}};
         for (const bool up : {true, false})
           if (sees(wi, up)) answer.sides[up ? 0 : 1] = solution.cells(grid_, up);
         next.answers.back().push_back(std::move(answer));
       }
     }
-    before_ = std::move(now_);
-    now_ = std::move(next);
-    ++levels_;
+    levels_.add(std::move(next));
+  }
+
+  void report(int degree) const {
+    if (options_.report)
+      options_.report({.nodes = degree,
+                       .modes = degree + 1,
+                       .error = levels_.count() > 0 ? accuracy_.error : 1,
+                       .seconds = seconds_since(start_)});
   }
 
   [[nodiscard]] bool sees(Direction wi, bool up) const {
@@ -162,7 +150,7 @@ class Refinement {
 
   // Of orders 2 and up.
   [[nodiscard]] double row_mean(int channel, std::size_t i, bool up, int row) const {
-    const HarmonicCells& cells = now_.answers[channel][i].sides[up ? 0 : 1];
+    const HarmonicCells& cells = levels_.last().answers[channel][i].sides[up ? 0 : 1];
     double sum = 0;
     for (int column = 0; column < grid_.columns(); ++column)
       for (const std::vector<double>& order : cells.value)
@@ -174,48 +162,120 @@ class Refinement {
     return first_[2 * i + (up ? 0 : 1)];
   }
 
-  // The bound of one cell: order by order for lobes of their own, and of all.
-  [[nodiscard]] double changed(int channel, std::size_t i, bool up, int cell) const {
-    const HarmonicCells& cells = now_.answers[channel][i].sides[up ? 0 : 1];
-    double error = cells.error[cell];
-    for (int k = 0; k < kHarmonicOrders; ++k) {
-      const double before = before_.answers.empty()
-                                ? 0
-                                : before_.answers[channel][i].sides[up ? 0 : 1].value[k][cell];
-      error += std::abs(cells.value[k][cell] - before);
+  // Whether a cell's order 2 is the sum of what mirrors scatter twice, by quadrature, and the rest.
+  [[nodiscard]] const std::optional<CellMean>& pairs_of(std::size_t i, bool up, int cell) const {
+    return pair_means_[2 * i + (up ? 0 : 1)][cell];
+  }
+
+  // Order 2, 3 or 4+ (0, 1, 2) of a cell.
+  [[nodiscard]] double value_of(int c, std::size_t i, bool up, int cell, int order) const {
+    const HarmonicCells& cells = levels_.last().answers[channel_of_[c]][i].sides[up ? 0 : 1];
+    const auto& pairs = pairs_of(i, up, cell);
+    if (order > 0 || !pairs) return cells.value[order][cell];
+    return cells.value[kWithoutPairs][cell] + pairs->value[c];
+  }
+  [[nodiscard]] double error_of(int c, std::size_t i, bool up, int cell, int order) const {
+    const auto& pairs = pairs_of(i, up, cell);
+    if (order > 0 || !pairs) return levels_.error(channel_of_[c], i, up, cell, order);
+    return levels_.error(channel_of_[c], i, up, cell, kWithoutPairs) + pairs->error[c];
+  }
+
+  // The mean of a row over all orders.
+  [[nodiscard]] double scale_of(int c, std::size_t i, bool up, int row) const {
+    double sum = row_mean(channel_of_[c], i, up, row);
+    for (int column = 0; column < grid_.columns(); ++column)
+      sum += first_of(i, up)[row * grid_.columns() + column].value[c] / grid_.columns();
+    return sum;
+  }
+
+  // What mirrors scatter twice, by quadrature, wherever the harmonics leave more of it than a share
+  // of the tolerance, unless that is in too many cells. if_enough: only if that is all that is
+  // missing.
+  bool solve_pairs(bool if_enough) {
+    if (pairs_.is_empty()) return false;
+    struct Side {
+      std::size_t i;
+      bool up;
+      std::vector<int> cells;
+      std::vector<Rgb> allowed;
+    };
+    std::vector<Side> sides;
+    for (std::size_t i = 0; i < incident_.size(); ++i)
+      for (const bool up : {true, false}) {
+        if (!sees(incident_[i], up)) continue;
+        Side side{i, up, {}, {}};
+        for (int row = 0; row < grid_.rows(); ++row) {
+          Rgb scale;
+          for (int c = 0; c < 3; ++c) scale[c] = options_.tolerance * scale_of(c, i, up, row);
+          side.allowed.push_back(kPairShare * scale);
+          for (int column = 0; column < grid_.columns(); ++column) {
+            const int cell = row * grid_.columns() + column;
+            if (if_enough && !would_reach(i, up, cell, scale)) return false;
+            bool is_needed = false;
+            for (int c = 0; c < 3; ++c)
+              is_needed = is_needed || error_of(c, i, up, cell, 0) > kSecondShare * scale[c];
+            if (is_needed && !pairs_of(i, up, cell)) side.cells.push_back(cell);
+          }
+        }
+        sides.push_back(std::move(side));
+      }
+    std::size_t count = 0;
+    for (const Side& side : sides) count += side.cells.size();
+    if (count == 0 || count > kMostPairCells) return false;
+    for (const Side& side : sides) {
+      report(levels_.last().degree);
+      const auto means = pair_cells(pairs_, grid_, incident_[side.i], side.up, side.cells,
+                                    side.allowed, narrowest_feature(stack_), options_.stop);
+      for (std::size_t k = 0; k < means.size(); ++k)
+        pair_means_[2 * side.i + (side.up ? 0 : 1)][side.cells[k]] = means[k];
     }
-    return error;
+    return true;
+  }
+
+  // Whether all but what mirrors scatter twice is known well enough.
+  [[nodiscard]] bool would_reach(std::size_t i, bool up, int cell, Rgb tolerance) const {
+    for (int c = 0; c < 3; ++c) {
+      double error = kPairShare * tolerance[c] + first_of(i, up)[cell].error[c];
+      for (const int part : {1, 2, kWithoutPairs})
+        error += levels_.error(channel_of_[c], i, up, cell, part);
+      if (error > tolerance[c]) return false;
+    }
+    return true;
   }
 
   void judge() {
     accuracy_.error = 0;
     accuracy_.energy_defect = 0;
-    for (std::size_t k = 0; k < channels_.size(); ++k)
+    for (int c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < incident_.size(); ++i) {
         accuracy_.energy_defect =
-            larger_error(accuracy_.energy_defect, std::abs(now_.answers[k][i].energies.sum() - 1));
+            larger_error(accuracy_.energy_defect, std::abs(energies_of(c, i).sum() - 1));
         for (const bool up : {true, false})
           if (sees(incident_[i], up))
-            accuracy_.error = larger_error(accuracy_.error, worst(k, i, up));
+            accuracy_.error = larger_error(accuracy_.error, worst(c, i, up));
       }
     accuracy_.node_error = accuracy_.error;
     accuracy_.reached =
         accuracy_.error <= options_.tolerance && accuracy_.energy_defect <= options_.tolerance;
   }
 
+  [[nodiscard]] const HarmonicEnergies& energies_of(int c, std::size_t i) const {
+    return levels_.last().answers[channel_of_[c]][i].energies;
+  }
+
   // The largest bound of a cell, relative to the mean of its row.
-  [[nodiscard]] double worst(std::size_t k, std::size_t i, bool up) const {
-    const std::vector<CellMean>& first = first_of(i, up);
-    const int channel = channels_[k];
+  [[nodiscard]] double worst(int c, std::size_t i, bool up) const {
     double worst = 0;
     for (int row = 0; row < grid_.rows(); ++row) {
-      double scale = row_mean(static_cast<int>(k), i, up, row), error = 0;
+      double error = 0;
       for (int column = 0; column < grid_.columns(); ++column) {
         const int cell = row * grid_.columns() + column;
-        scale += first[cell].value[channel] / grid_.columns();
-        error = larger_error(
-            error, changed(static_cast<int>(k), i, up, cell) + first[cell].error[channel]);
+        double sum = first_of(i, up)[cell].error[c];
+        for (int order = 0; order < kHarmonicOrders; ++order)
+          sum += error_of(c, i, up, cell, order);
+        error = larger_error(error, sum);
       }
+      const double scale = scale_of(c, i, up, row);
       if (scale > 0) worst = larger_error(worst, error / scale);
     }
     return worst;
@@ -223,9 +283,9 @@ class Refinement {
 
   std::vector<RunResult> results() {
     accuracy_.seconds = seconds_since(start_);
-    accuracy_.nodes = std::max(32, now_.degree + 8);
-    accuracy_.modes = now_.degree + 1;
-    accuracy_.harmonics = now_.degree;
+    accuracy_.nodes = std::max(32, levels_.last().degree + 8);
+    accuracy_.modes = levels_.last().degree + 1;
+    accuracy_.harmonics = levels_.last().degree;
     accuracy_.channel_modes.fill(accuracy_.modes);
     std::vector<RunResult> runs(incident_.size());
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -244,15 +304,15 @@ class Refinement {
         fill_energies(side, i, up);
         if (sees(incident_[i], up))
           for (int c = 0; c < plan_.channels; ++c)
-            run.accuracy->error = larger_error(run.accuracy->error, worst(channel_of_[c], i, up));
+            run.accuracy->error = larger_error(run.accuracy->error, worst(c, i, up));
       }
       double defect = 0;
       for (int c = 0; c < plan_.channels; ++c) {
-        const HarmonicEnergies& e = now_.answers[channel_of_[c]][i].energies;
+        const HarmonicEnergies& e = energies_of(c, i);
         run.uncollided[c] = {e.uncollided, 0};
-        run.absorbed[c] = {e.absorbed, bound_of(channel_of_[c], i, [](const HarmonicEnergies& x) {
-                             return x.absorbed;
-                           })};
+        run.absorbed[c] = {e.absorbed,
+                           levels_.bound_of(channel_of_[c], i,
+                                            [](const HarmonicEnergies& x) { return x.absorbed; })};
         defect = larger_error(defect, std::abs(e.sum() - 1));
       }
       run.accuracy->energy_defect = defect;
@@ -262,20 +322,12 @@ class Refinement {
     return runs;
   }
 
-  // An energy's last change, and what the ledger lacks.
-  template <class Energy>
-  [[nodiscard]] double bound_of(int channel, std::size_t i, const Energy& energy) const {
-    const HarmonicEnergies& e = now_.answers[channel][i].energies;
-    const double before =
-        before_.answers.empty() ? 0 : energy(before_.answers[channel][i].energies);
-    return std::abs(energy(e) - before) + std::abs(e.sum() - 1);
-  }
-
   void fill_energies(SideResult& side, std::size_t i, bool up) const {
     for (int c = 0; c < plan_.channels; ++c) {
       const int channel = channel_of_[c];
       const auto of = [&](const auto& energy) {
-        return Estimate{energy(now_.answers[channel][i].energies), bound_of(channel, i, energy)};
+        return Estimate{energy(levels_.last().answers[channel][i].energies),
+                        levels_.bound_of(channel, i, energy)};
       };
       for (int order = 0; order < 4; ++order)
         side.orders[order][c] =
@@ -300,16 +352,17 @@ class Refinement {
         const CellMean& first = first_of(i, up)[cell];
         side.lobes[0].value[at] = first.value[c];
         side.lobes[0].standard_error[at] = first.error[c];
-        double all = first.value[c];
-        const double error = changed(channel_of_[c], i, up, cell);
-        const HarmonicCells& solved = now_.answers[channel_of_[c]][i].sides[up ? 0 : 1];
-        for (int k = 0; k < kHarmonicOrders; ++k) {
-          side.lobes[k + 1].value[at] = solved.value[k][cell];
-          side.lobes[k + 1].standard_error[at] = error;
-          all += solved.value[k][cell];
+        double all = first.value[c], error = first.error[c];
+        for (int order = 0; order < kHarmonicOrders; ++order) {
+          const double value = value_of(c, i, up, cell, order);
+          const double bound = error_of(c, i, up, cell, order);
+          side.lobes[order + 1].value[at] = value;
+          side.lobes[order + 1].standard_error[at] = bound;
+          all += value;
+          error += bound;
         }
         side.lobes[Order::all].value[at] = all;
-        side.lobes[Order::all].standard_error[at] = error + first.error[c];
+        side.lobes[Order::all].standard_error[at] = error;
       }
   }
 
@@ -322,39 +375,14 @@ class Refinement {
   double lowest_ = 1;
   std::vector<int> channels_;
   std::array<int, 3> channel_of_{};
-  Level now_, before_;
-  std::size_t levels_ = 0;
+  MirrorPairs pairs_;
+  HarmonicLevels levels_;
   std::vector<std::vector<CellMean>> first_;  // by direction, up and down
+  std::vector<std::vector<std::optional<CellMean>>> pair_means_;
   DeterministicAccuracy accuracy_{};
 };
 
 }  // namespace
-
-double narrowest_feature(const Stack& stack) {
-  double width = 1;
-  for (const Layer& layer : stack.layers) {
-    if (layer.interface || layer.depth() == 0) continue;
-    const auto normals = axial_normals(layer.medium);
-    width =
-        std::min(width, normals ? normals->width : 1 - std::abs(traits(layer.medium).mean_cosine));
-  }
-  return width;
-}
-
-std::optional<std::string> why_not_harmonic(const Stack& stack) {
-  if (stack.has_grid()) return "a grid varies a layer's density laterally";
-  if (stack.grains()) return "the stack is explicit geometry";
-  if (stack.has_boundaries())
-    return "interfaces and surfaces other than Lambert's beside layers without symmetry about the "
-           "normal are left to walks";
-  for (const Layer& layer : stack.layers) {
-    if (layer.interface || layer.depth() == 0) continue;
-    if (auto reason = why_no_harmonics(layer.medium)) return reason;
-    if (std::isinf(layer.depth()) && !traits(layer.medium).two_sided)
-      return "a half space of tilted one-sided flakes is left to walks";
-  }
-  return std::nullopt;
-}
 
 std::vector<RunResult> harmonic_runs(const Stack& stack, const Plan& plan,
                                      std::span<const Direction> incident, CellGrid grid,

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "volume/harmonics/harmonic_scope.h"
 #include "volume/plan/plan.h"
 #include "volume/result/run_result.h"
 #include "volume/solver/deterministic.h"
@@ -21,13 +21,6 @@ struct HarmonicOptions {
   const std::atomic<bool>* stop = nullptr;  ///< once set, what was reached is the answer
   SolverReport report{};
 };
-
-/// Why a stack has no solution in spherical harmonics, if it has none.
-[[nodiscard]] std::optional<std::string> why_not_harmonic(const Stack& stack);
-
-/// The width of the narrowest phase function in the stack [radians], 1 at the most: the degree that
-/// a solution takes grows with its inverse.
-[[nodiscard]] double narrowest_feature(const Stack& stack);
 
 /// Cells and ledger of a stack of homogeneous layers of any orientation, one entry per incident
 /// direction. The degree of the harmonics rises until no cell changes by more than the tolerance;

@@ -30,6 +30,7 @@ HarmonicSolution::HarmonicSolution(const HarmonicTransport& transport, Direction
   };
   take(0, first.light);
   sources_[0] = std::move(first.light.next);
+  sources_[kWithoutPairs] = std::move(first.without_pairs);
   HarmonicLight second = transport.follow(sources_[0]);
   take(1, second);
   sources_[1] = std::move(second.next);
@@ -37,28 +38,27 @@ HarmonicSolution::HarmonicSolution(const HarmonicTransport& transport, Direction
   take(2, third);
   sources_[2] = transport.sum(third.next);
   take(3, transport.follow(sources_[2]));
-  for (int k = 0; k < kHarmonicOrders; ++k) ground_[k] = sources_[k].ground;
+  for (int k = 0; k < kHarmonicParts; ++k) ground_[k] = sources_[k].ground;
 }
 
-std::array<double, kHarmonicOrders> HarmonicSolution::f(Direction wo) const {
+std::array<double, kHarmonicParts> HarmonicSolution::f(Direction wo) const {
   VectorXd harmonics(transport_.basis().size());
   transport_.basis().values(wo, harmonics);
-  std::array<VectorXd, kHarmonicOrders> values;
-  std::array<const double*, kHarmonicOrders> places{};
-  for (int k = 0; k < kHarmonicOrders; ++k) {
+  std::array<VectorXd, kHarmonicParts> values;
+  std::array<const double*, kHarmonicParts> places{};
+  for (int k = 0; k < kHarmonicParts; ++k) {
     values[k] = sources_[k].coefficients.transpose() * harmonics;
     places[k] = values[k].data();
   }
-  std::array<double, kHarmonicOrders> f{};
+  std::array<double, kHarmonicParts> f{};
   transport_.leaving(wo, places, ground_, f.data());
   return f;
 }
 
 // Gauss-Legendre in the azimuth of every cell and, with two points more, in its elevation; the row
 // at grazing, where radiance behaves like mu log mu, in strips.
-std::array<std::vector<double>, kHarmonicOrders> HarmonicSolution::means(const CellGrid& grid,
-                                                                         bool up,
-                                                                         int points) const {
+std::array<std::vector<double>, kHarmonicParts> HarmonicSolution::means(const CellGrid& grid,
+                                                                        bool up, int points) const {
   constexpr int kStrips = 5;
   const Quadrature& rule = cached_gauss_legendre(points);
   const Quadrature& along = cached_gauss_legendre(points + 2);
@@ -90,16 +90,16 @@ std::array<std::vector<double>, kHarmonicOrders> HarmonicSolution::means(const C
     for (Index j = 0; j < rule.points.size(); ++j)
       phi.push_back(turn + width * (column + rule.points[j]));
   const SphereGrid directions(transport_.basis(), mu, phi, transport_.product());
-  std::array<MatrixXd, kHarmonicOrders> values;
-  for (int k = 0; k < kHarmonicOrders; ++k) values[k] = directions.values(sources_[k].coefficients);
-  MatrixXd f(kHarmonicOrders, directions.size());
+  std::array<MatrixXd, kHarmonicParts> values;
+  for (int k = 0; k < kHarmonicParts; ++k) values[k] = directions.values(sources_[k].coefficients);
+  MatrixXd f(kHarmonicParts, directions.size());
   tbb::parallel_for(0, directions.size(), [&](int d) {
-    std::array<const double*, kHarmonicOrders> places{};
-    for (int k = 0; k < kHarmonicOrders; ++k) places[k] = values[k].col(d).data();
+    std::array<const double*, kHarmonicParts> places{};
+    for (int k = 0; k < kHarmonicParts; ++k) places[k] = values[k].col(d).data();
     transport_.leaving(directions.direction(d), places, ground_, f.col(d).data());
   });
-  std::array<std::vector<double>, kHarmonicOrders> result;
-  for (int k = 0; k < kHarmonicOrders; ++k) {
+  std::array<std::vector<double>, kHarmonicParts> result;
+  for (int k = 0; k < kHarmonicParts; ++k) {
     result[k].assign(grid.cells(), 0);
     for (int d = 0; d < directions.size(); ++d) {
       const int m = d / directions.azimuths(), p = d % directions.azimuths();
@@ -113,10 +113,9 @@ std::array<std::vector<double>, kHarmonicOrders> HarmonicSolution::means(const C
 HarmonicCells HarmonicSolution::cells(const CellGrid& grid, bool up) const {
   HarmonicCells cells{means(grid, up, 4), {}};
   const auto coarse = means(grid, up, 3);
-  cells.error.assign(grid.cells(), 0);
-  for (int k = 0; k < kHarmonicOrders; ++k)
+  for (int k = 0; k < kHarmonicParts; ++k)
     for (int cell = 0; cell < grid.cells(); ++cell)
-      cells.error[cell] += std::abs(cells.value[k][cell] - coarse[k][cell]);
+      cells.error[k].push_back(std::abs(cells.value[k][cell] - coarse[k][cell]));
   return cells;
 }
 

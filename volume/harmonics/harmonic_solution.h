@@ -9,8 +9,11 @@
 
 namespace lamella {
 
-/// Orders 2, 3 and 4 and more, as they are kept apart.
+/// Orders 2, 3 and 4 and more, as they are kept apart; and, as the last part, order 2 without what
+/// mirrors scatter twice (mirror_pairs.h has that at any accuracy).
 inline constexpr int kHarmonicOrders = 3;
+inline constexpr int kHarmonicParts = 4;
+inline constexpr int kWithoutPairs = 3;
 
 /// Shares of a beam, by order: 1, 2, 3, 4+.
 struct HarmonicEnergies {
@@ -20,11 +23,9 @@ struct HarmonicEnergies {
   [[nodiscard]] double sum() const;
 };
 
-/// Means over cells of one side, by order and cell: orders 2, 3, 4+; and what their quadrature
-/// leaves.
+/// Means over cells of one side, by part and cell, and what their quadrature leaves.
 struct HarmonicCells {
-  std::array<std::vector<double>, kHarmonicOrders> value;
-  std::vector<double> error;
+  std::array<std::vector<double>, kHarmonicParts> value, error;
 };
 
 /// The light of one beam in one channel, at one resolution.
@@ -33,18 +34,18 @@ class HarmonicSolution {
   HarmonicSolution(const HarmonicTransport& transport, Direction wi);
 
   [[nodiscard]] const HarmonicEnergies& energies() const { return energies_; }
-  /// f [1/sr] of orders 2, 3, 4+.
-  [[nodiscard]] std::array<double, kHarmonicOrders> f(Direction wo) const;
+  /// f [1/sr] by part.
+  [[nodiscard]] std::array<double, kHarmonicParts> f(Direction wo) const;
   [[nodiscard]] HarmonicCells cells(const CellGrid& grid, bool up) const;
 
  private:
-  [[nodiscard]] std::array<std::vector<double>, kHarmonicOrders> means(const CellGrid& grid,
-                                                                       bool up, int points) const;
+  [[nodiscard]] std::array<std::vector<double>, kHarmonicParts> means(const CellGrid& grid, bool up,
+                                                                      int points) const;
 
   const HarmonicTransport& transport_;
   Direction wi_;
-  std::array<HarmonicSource, kHarmonicOrders> sources_;
-  std::array<double, kHarmonicOrders> ground_{};
+  std::array<HarmonicSource, kHarmonicParts> sources_;
+  std::array<double, kHarmonicParts> ground_{};
   HarmonicEnergies energies_;
 };
 

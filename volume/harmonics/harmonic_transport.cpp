@@ -26,6 +26,11 @@ int rays_for(int degree) { return 2 * degree + 64; }
 constexpr int kPieces = 32;
 constexpr int kMaxIterations = 200;
 
+bool is_mirror(const Medium& medium) {
+  return std::holds_alternative<MirrorFlakes<Sggx>>(medium) ||
+         std::holds_alternative<MirrorFlakes<Vmf>>(medium);
+}
+
 }  // namespace
 
 HarmonicTransport::HarmonicTransport(const Stack& stack, int channel,
@@ -40,6 +45,7 @@ HarmonicTransport::HarmonicTransport(const Stack& stack, int channel,
   for (const LayeredStreams::Part& part : streams_.parts()) {
     check_stop();
     kernels_.emplace_back(part.layer->medium, part.layer->f0[channel], basis_, product());
+    mirrors_.push_back(is_mirror(part.layer->medium));
   }
   if (stack.substrate) ground_albedo_ = stack.substrate->albedo[channel];
   if (streams_.is_cut()) ground_albedo_ = 1;
@@ -59,6 +65,16 @@ HarmonicSource HarmonicTransport::scattered(const MatrixXd& radiance, double arr
         kernels_[p].apply(radiance.middleCols(part.first, part.panels.size()));
   }
   return next;
+}
+
+void HarmonicTransport::take_mirrors(const MatrixXd& radiance, HarmonicSource& source) const {
+  for (std::size_t p = 0; p < kernels_.size(); ++p) {
+    const LayeredStreams::Part& part = streams_.parts()[p];
+    if (mirrors_[p])
+      source.coefficients.middleCols(part.first, part.panels.size()) -=
+          part.layer->albedo[channel_] *
+          kernels_[p].apply(radiance.middleCols(part.first, part.panels.size()));
+  }
 }
 
 // What radiance along v meets in the layers and does not scatter: all of what their albedo tells,
@@ -122,8 +138,10 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
   result.uncollided = streams_.beam(wi, share.data());
   const BeamQuadrature beam(-wi, ray_points(basis_.degree()), rays_for(basis_.degree()));
   const int directions = static_cast<int>(beam.directions.size());
+  const auto count = std::count(mirrors_.begin(), mirrors_.end(), true);
+  const bool is_mixed = count > 0 && count < static_cast<std::ptrdiff_t>(mirrors_.size());
   struct Piece {
-    MatrixXd coefficients;
+    MatrixXd coefficients, of_mirrors;
     double up = 0, down = 0, absorbed = 0;
     std::vector<double> leaving;  // by part: share of what collides
   };
@@ -132,6 +150,7 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
     const int begin = directions * p / kPieces, end = directions * (p + 1) / kPieces;
     Piece& piece = pieces[p];
     MatrixXd harmonics(basis_.size(), end - begin), radiance(streams_.size(), end - begin);
+    MatrixXd of_mirrors(streams_.size(), is_mixed ? end - begin : 0);
     std::vector<double> block(streams_.block_size());
     piece.leaving.assign(streams_.parts().size(), 0);
     VectorXd source(streams_.size()), values(basis_.size());
@@ -156,15 +175,24 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
       piece.absorbed += weight * collided(v, radiance.col(k - begin).data());
       basis_.values(v, values);
       harmonics.col(k - begin) = weight * values;
+      if (!is_mixed) continue;
+      for (std::size_t n = 0; n < streams_.parts().size(); ++n) {
+        const LayeredStreams::Part& part = streams_.parts()[n];
+        if (!mirrors_[n]) source.segment(part.first, part.panels.size()).setZero();
+      }
+      streams_.march(v, block.data(), source.data(), 0, of_mirrors.col(k - begin).data());
     }
     piece.coefficients = product()(harmonics, radiance.transpose());
+    if (is_mixed) piece.of_mirrors = product()(harmonics, of_mirrors.transpose());
   });
   MatrixXd coefficients = MatrixXd::Zero(basis_.size(), streams_.size());
+  MatrixXd of_mirrors = MatrixXd::Zero(basis_.size(), is_mixed ? streams_.size() : 0);
   double arriving = 0;
   std::vector<double> leaving(streams_.parts().size(), 0);
   for (const Piece& piece : pieces) {
     for (std::size_t n = 0; n < leaving.size(); ++n) leaving[n] += piece.leaving[n];
     coefficients += piece.coefficients;
+    if (is_mixed) of_mirrors += piece.of_mirrors;
     result.light.reflected += piece.up;
     arriving += piece.down;
     result.light.absorbed += piece.absorbed;
@@ -181,6 +209,15 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
     result.absorbed += (1 - scattered) * before * -std::expm1(-x);
     before *= std::exp(-x);
   }
+  const auto meet = [&](double arriving_at_ground) {
+    result.light.next = scattered(coefficients, arriving_at_ground);
+    result.light.absorbed -= scattered_by_mirrors(result.light.next);
+    result.without_pairs = result.light.next;
+    if (is_mixed)
+      take_mirrors(of_mirrors, result.without_pairs);
+    else if (count > 0)
+      result.without_pairs.coefficients.setZero();
+  };
   if (is_closed()) {
     // The ground's own order 1 is smooth: on the grid.
     const double met = result.uncollided;
@@ -191,14 +228,14 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
         {MatrixXd::Zero(basis_.size(), streams_.size()), lambert_radiance(ground_albedo_ * met)});
     result.light.reflected += ground.reflected;
     result.light.absorbed += ground.absorbed;
-    result.light.next = scattered(coefficients, arriving);
-    result.light.absorbed -= scattered_by_mirrors(result.light.next);
-    result.light.next.coefficients += ground.next.coefficients;
-    result.light.next.ground += ground.next.ground;
+    meet(arriving);
+    for (HarmonicSource* source : {&result.light.next, &result.without_pairs}) {
+      source->coefficients += ground.next.coefficients;
+      source->ground += ground.next.ground;
+    }
   } else {
     result.light.transmitted = arriving;
-    result.light.next = scattered(coefficients, 0);
-    result.light.absorbed -= scattered_by_mirrors(result.light.next);
+    meet(0);
   }
   return result;
 }

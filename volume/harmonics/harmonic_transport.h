@@ -51,6 +51,8 @@ class HarmonicTransport {
   /// the share that passes without an event.
   struct First {
     HarmonicLight light;
+    /// Of `light.next`, what mirrors do not send to mirrors.
+    HarmonicSource without_pairs;
     double uncollided = 0;
     double absorbed = 0;  ///< by the first event
   };
@@ -76,6 +78,8 @@ class HarmonicTransport {
   // Whether light that arrives at the bottom meets a surface there.
   [[nodiscard]] bool is_closed() const { return stack_.substrate || streams_.is_cut(); }
   [[nodiscard]] HarmonicSource scattered(const Eigen::MatrixXd& radiance, double arriving) const;
+  // What mirrors make of radiance, given what all layers make.
+  void take_mirrors(const Eigen::MatrixXd& radiance, HarmonicSource& source) const;
 
   const Stack& stack_;
   int channel_;
@@ -84,6 +88,7 @@ class HarmonicTransport {
   LayeredStreams streams_;
   SphereGrid grid_;
   std::vector<HarmonicKernel> kernels_;  // by part
+  std::vector<bool> mirrors_;            // by part
   std::vector<double> blocks_;           // by direction of the grid
   double ground_albedo_ = 0;
 };

@@ -16,8 +16,9 @@ using Eigen::VectorXd;
 // Wigner's d the turn about y maps
 //   cosine m to cosine n: (-1)^n ((-1)^m d_mn + d_(-m)n), sqrt(2) (-1)^(m + n) d_mn where m or n
 //   is 0 and the other is not, d_00; sine m to sine n: (-1)^n ((-1)^m d_mn - d_(-m)n).
-HarmonicTurn::HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product)
-    : basis_(basis), product_(product), azimuth_(std::atan2(axis.y, axis.x)) {
+HarmonicTurn::HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product,
+                           double spin)
+    : basis_(basis), product_(product), azimuth_(std::atan2(axis.y, axis.x)), spin_(spin) {
   const int degree = basis.degree();
   const double angle = std::atan2(std::hypot(axis.x, axis.y), axis.z);
   for (int l = 0; l <= degree; ++l) {
@@ -78,11 +79,13 @@ MatrixXd HarmonicTurn::about_y(const MatrixXd& coefficients, bool back) const {
 }
 
 MatrixXd HarmonicTurn::to_axis(const MatrixXd& coefficients) const {
-  return about_y(about_z(coefficients, azimuth_), false);
+  const MatrixXd turned = about_y(about_z(coefficients, azimuth_), false);
+  return spin_ == 0 ? turned : about_z(turned, spin_);
 }
 
 MatrixXd HarmonicTurn::from_axis(const MatrixXd& coefficients) const {
-  return about_z(about_y(coefficients, true), -azimuth_);
+  if (spin_ == 0) return about_z(about_y(coefficients, true), -azimuth_);
+  return about_z(about_y(about_z(coefficients, -spin_), true), -azimuth_);
 }
 
 }  // namespace lamella

@@ -12,7 +12,9 @@ namespace lamella {
 /// axis is another direction. Columns are functions, rows as HarmonicBasis lists them.
 class HarmonicTurn {
  public:
-  HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product = MatrixProduct());
+  /// spin: of the other frame about its z [radians].
+  HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product = MatrixProduct(),
+               double spin = 0);
 
   [[nodiscard]] Eigen::MatrixXd to_axis(const Eigen::MatrixXd& coefficients) const;
   [[nodiscard]] Eigen::MatrixXd from_axis(const Eigen::MatrixXd& coefficients) const;
@@ -23,7 +25,7 @@ class HarmonicTurn {
 
   HarmonicBasis basis_;
   MatrixProduct product_;
-  double azimuth_;
+  double azimuth_, spin_;
   // By degree: of the cosines (rows and columns m = 0 to l) and of the sines (1 to l).
   struct Turn {
     Eigen::MatrixXd there, back;

@@ -167,6 +167,8 @@ TEST(HarmonicKernel, ScattersSmoothLightAsThePhaseFunctionDoes) {
   for (const auto& [medium, degree, tolerance] :
        {Case{MirrorFlakes<Sggx>{Sggx(Sggx::surface_matrix(0.5, axis))}, 32, 1e-8},
         Case{MirrorFlakes<Sggx>{Sggx(Sggx::fiber_matrix(0.3, axis))}, 48, 1e-7},
+        Case{MirrorFlakes<Sggx>{Sggx({0.5, 0.7, 1, 0.2, -0.1, 0.15})}, 32, 1e-8},
+        Case{MirrorFlakes<Sggx>{Sggx({0.15, 0.4, 1, 0.02, 0, 0})}, 48, 1e-6},
         Case{LambertFlakes<Sggx>{Sggx(Sggx::fiber_matrix(0.5, axis))}, 32, 1e-8},
         Case{MirrorFlakes<Vmf>{Vmf(0.5, axis)}, 32, 1e-8},
         Case{LambertFlakes<Vmf>{Vmf(0.7, axis)}, 24, 1e-6}, Case{LambertSphere{}, 24, 1e-8},
@@ -195,23 +197,53 @@ TEST(HarmonicKernel, ScattersSmoothLightAsThePhaseFunctionDoes) {
   }
 }
 
-TEST(HarmonicKernel, OfMirrorsHasSchlicksFactor) {
-  const Medium medium = MirrorFlakes<Sggx>{Sggx(Sggx::surface_matrix(0.6, Direction{0, 0.6, 0.8}))};
-  const HarmonicBasis basis(28);
-  const HarmonicKernel kernel(medium, 0.1, basis);
-  VectorXd uniform = VectorXd::Zero(basis.size());
-  uniform[0] = std::sqrt(4 * kPi);
-  const Direction wo = direction_from_mu_phi(0.7, 2);
-  const BeamQuadrature about(wo, 80, 160);
-  double expected = 0;
-  for (std::size_t k = 0; k < about.directions.size(); ++k) {
-    const Direction v = about.directions[k];
-    const PhaseValue p = phase(medium, -v, wo);
-    expected += about.weights[k] * sigma(medium, -v) * p.density * (0.1 + 0.9 * p.schlick);
+// Three distinct eigenvalues, by the definition of Lambertian flakes: radiance 1 + v . d irradiates
+// the side of a flake with the normal m by pi (1 - 2/3 m . d).
+TEST(HarmonicKernel, OfLambertianFlakesWithoutAxisIsTheirMean) {
+  const Direction d = normalized(Direction{0.2, -0.5, -0.7});
+  for (const std::array<double, 6>& s :
+       {std::array{0.5, 0.7, 1.0, 0.2, -0.1, 0.15}, std::array{1.0, 0.35, 0.6, 0.1, 0.1, 0.0}}) {
+    const Sggx ndf(s);
+    const HarmonicBasis basis(32);
+    const HarmonicKernel kernel(LambertFlakes<Sggx>{ndf}, 1, basis);
+    const SphereGrid grid = SphereGrid::quadrature(basis, 60, 120);
+    MatrixXd values(1, grid.size());
+    for (int k = 0; k < grid.size(); ++k) values(0, k) = 1 + dot(grid.direction(k), d);
+    const MatrixXd source = kernel.apply(grid.coefficients(values));
+    VectorXd harmonics(basis.size());
+    for (const Direction wo : {direction_from_mu_phi(0.6, 1), direction_from_mu_phi(-0.3, 4)}) {
+      // D is even: half of the sphere is half of the integral.
+      double expected = ndf.sigma(wo);
+      for (int k = 0; k < grid.size(); ++k) {
+        const Direction m = grid.direction(k);
+        expected -= grid.weight(k) * ndf.density_of(m) / 3 * dot(m, d) * dot(wo, m);
+      }
+      basis.values(wo, harmonics);
+      EXPECT_NEAR(harmonics.dot(source.col(0)) / expected, 1, 1e-6);
+    }
   }
-  VectorXd harmonics(basis.size());
-  basis.values(wo, harmonics);
-  EXPECT_NEAR(harmonics.dot(kernel.apply(uniform).col(0)) / expected, 1, 1e-8);
+}
+
+TEST(HarmonicKernel, OfMirrorsHasSchlicksFactor) {
+  for (const Medium& medium :
+       {Medium(MirrorFlakes<Sggx>{Sggx(Sggx::surface_matrix(0.6, Direction{0, 0.6, 0.8}))}),
+        Medium(MirrorFlakes<Sggx>{Sggx({0.6, 0.8, 1, 0.1, 0, 0.1})})}) {
+    const HarmonicBasis basis(28);
+    const HarmonicKernel kernel(medium, 0.1, basis);
+    VectorXd uniform = VectorXd::Zero(basis.size());
+    uniform[0] = std::sqrt(4 * kPi);
+    const Direction wo = direction_from_mu_phi(0.7, 2);
+    const BeamQuadrature about(wo, 80, 160);
+    double expected = 0;
+    for (std::size_t k = 0; k < about.directions.size(); ++k) {
+      const Direction v = about.directions[k];
+      const PhaseValue p = phase(medium, -v, wo);
+      expected += about.weights[k] * sigma(medium, -v) * p.density * (0.1 + 0.9 * p.schlick);
+    }
+    VectorXd harmonics(basis.size());
+    basis.values(wo, harmonics);
+    EXPECT_NEAR(harmonics.dot(kernel.apply(uniform).col(0)) / expected, 1, 1e-8);
+  }
 }
 
 // Attenuation and gathering within a panel, against quadrature fine enough for each depth.

@@ -1,0 +1,229 @@
+// What mirrors scatter twice, at pairs of directions and on cells: against the integral of the
+// symmetric solver, quadrature that knows nothing of the kernels, reciprocity and turns.
+#include "volume/harmonics/mirror_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "tests/volume/solver/deterministic_stacks.h"
+#include "volume/harmonics/beam_quadrature.h"
+#include "volume/harmonics/circle_points.h"
+#include "volume/harmonics/pair_cells.h"
+#include "volume/quadrature/depth_integrals.h"
+#include "volume/quadrature/quadrature.h"
+#include "volume/solver/second_order.h"
+
+namespace lamella {
+namespace {
+
+std::string along(const std::string& medium, double x, double y, double z) {
+  return fmt::format("{}\naxis = [{}, {}, {}]", medium, x, y, z);
+}
+
+TEST(CirclePoints, FindZerosInTheComplexPlane) {
+  // |a - z|^2 |b - z|^2 with z = exp(i phi) has zeros at the azimuths of a and b, at distances
+  // -log |a|, -log |b|.
+  for (const auto& [ra, pa, rb, pb] :
+       {std::array{0.9, 1.0, 0.5, -2.0}, std::array{0.999, 0.3, 0.99, 0.31},
+        std::array{0.2, 3.0, 0.21, 3.1}, std::array{1 - 1e-6, -1.0, 0.3, 2.0}}) {
+    // Coefficients of the product of 1 + r^2 - 2 r cos(phi - p).
+    const double a0 = 1 + ra * ra, ac = -2 * ra * std::cos(pa), as = -2 * ra * std::sin(pa);
+    const double b0 = 1 + rb * rb, bc = -2 * rb * std::cos(pb), bs = -2 * rb * std::sin(pb);
+    std::vector<CircleZero> zeros;
+    add_zeros(a0 * b0 + (ac * bc + as * bs) / 2, a0 * bc + ac * b0, a0 * bs + as * b0,
+              (ac * bc - as * bs) / 2, (ac * bs + as * bc) / 2, zeros);
+    ASSERT_EQ(zeros.size(), 2U);
+    if (std::abs(std::remainder(zeros[0].phi - pa, 2 * kPi)) >
+        std::abs(std::remainder(zeros[1].phi - pa, 2 * kPi)))
+      std::swap(zeros[0], zeros[1]);
+    for (const auto& [zero, r, p] : {std::tuple{zeros[0], ra, pa}, std::tuple{zeros[1], rb, pb}}) {
+      EXPECT_NEAR(zero.distance / -std::log(r), 1, 0.05) << r;
+      EXPECT_NEAR(std::remainder(zero.phi - p, 2 * kPi), 0, -0.05 * std::log(r)) << r;
+    }
+  }
+}
+
+TEST(CirclePoints, IntegrateWhatIsSteepAboutTheZeros) {
+  CirclePoints points(10, 8);
+  for (const double distance : {1.0, 0.1, 1e-3, 1e-6}) {
+    std::vector<CircleZero> zeros;
+    const double cosh = std::cosh(distance);
+    add_zeros(cosh, -std::cos(2.5), -std::sin(2.5), zeros);
+    ASSERT_EQ(zeros.size(), 1U);
+    points.place(zeros, 7);
+    EXPECT_EQ(points.size() % 8, 0);
+    double sum = 0;
+    for (int k = 0; k < points.size(); ++k)
+      sum += points.weights()[k] /
+             (cosh - points.cosines()[k] * std::cos(2.5) - points.sines()[k] * std::sin(2.5));
+    EXPECT_NEAR(sum * std::sinh(distance) / (2 * kPi), 1, distance > 1e-4 ? 1e-8 : 1e-4)
+        << distance;
+  }
+}
+
+// Where the stack is symmetric: roughness from 0.02 to 0.5, several layers, Schlick's factor, a
+// half space, flakes with one side, both sides, grazing, beside and at the direction straight on.
+TEST(MirrorPairs, AreThoseOfTheSymmetricSolver) {
+  for (const std::string& toml :
+       {layer(sggx(0.5, "mirror"), 0.9, 1), layer(sggx(0.1, "mirror"), 0.9, 1),
+        layer(sggx(0.3, "mirror"), 0.9, 1e3),
+        layer(sggx(0.2, "mirror"), 0.9, 0.5) +
+            layer(sggx(0.4, "mirror") + "\nshape = \"fiber\"\naxis = [0, 0, 1]\nf0 = 0.2", 0.8, 2) +
+            layer(sggx(0.6, "lambert"), 0.8, 0.3),
+        layer(vmf(0.2, "mirror"), 0.9, kInfinity), layer(vmf(0.5, "mirror"), 0.9, 0.7)}) {
+    const Stack stack = stack_of(toml);
+    const SecondOrder expected(stack, 0);
+    const MirrorPairs pairs(stack);
+    for (const auto& [mu_i, mu_o, phi] :
+         {std::array{0.7, 0.6, 1.0}, std::array{0.7, 0.7, 3.14}, std::array{0.7, -0.7, 3.1},
+          std::array{0.7, -0.7, kPi}, std::array{-0.3, 0.5, 2.0}, std::array{-0.4, -0.9, 0.3},
+          std::array{1e-3, 0.5, 1.0}, std::array{0.9, 1e-4, 2.0}, std::array{0.02, 0.02, 3.0}}) {
+      const Direction wi = direction_from_mu_phi(mu_i, 0.3),
+                      wo = direction_from_mu_phi(mu_o, 0.3 + phi);
+      const SecondOrder::Value f = expected(wi, wo, 1e-12);
+      const double tolerance = 1e-6 * f.f;
+      const MirrorPairs::Value found = pairs(wi, wo, tolerance);
+      EXPECT_NEAR(found.f.r, f.f, 2e-7 * f.f + found.error + f.error)
+          << toml << " mu " << mu_i << ' ' << mu_o;
+      EXPECT_LE(found.error, 2 * tolerance) << toml << " mu " << mu_i << ' ' << mu_o;
+    }
+  }
+}
+
+// Axes that lean, a matrix with three eigenvalues and colour, against polar coordinates about the
+// direction straight on, in which nothing is known of the second kernel's jump.
+TEST(MirrorPairs, AreTheIntegralOfBothKernels) {
+  const Stack stack = stack_of(
+      layer(sggx(0.5, "mirror") + "\naxis = [0.4, 0.2, 1]\nf0 = [0.9, 0.5, 0.1]", 0.9, 0.8) +
+      layer("medium = \"sggx\"\nmatrix = [0.3, 0.7, 1, 0.1, 0, -0.1]", 0.7, 1.3));
+  const MirrorPairs pairs(stack);
+  const Direction wi = direction_from_mu_phi(0.6, 0.2);
+  for (const Direction wo : {direction_from_mu_phi(0.8, 2), direction_from_mu_phi(-0.5, 5)}) {
+    Rgb sum;
+    const BeamQuadrature about(-wi, 200, 600);
+    const bool reflects = wo.z > 0;
+    for (std::size_t n = 0; n < about.directions.size(); ++n) {
+      const Direction w = about.directions[n];
+      const bool onward = w.z < 0;
+      struct Met {
+        double a, b, c, depth, in = 0, out = 0;
+        Rgb k1{}, k2{};
+      };
+      std::array<Met, 2> met{};
+      for (int k = 0; k < 2; ++k) {
+        const Layer& l = stack.layers[k];
+        const auto kernel = [&](Direction from, Direction to) {
+          const PhaseValue p = phase(l.medium, from, to);
+          return sigma(l.medium, from) * p.density * (l.albedo * schlick(l.f0, p.schlick));
+        };
+        met[k] = {sigma(l.medium, wi) / wi.z, sigma(l.medium, -wo) / std::abs(wo.z),
+                  sigma(l.medium, -w) / std::abs(w.z), l.depth()};
+        met[k].k1 = kernel(wi, w);
+        met[k].k2 = kernel(-w, wo);
+      }
+      met[1].in = met[0].a * met[0].depth;
+      (reflects ? met[1].out : met[0].out) =
+          reflects ? met[0].b * met[0].depth : met[1].b * met[1].depth;
+      Rgb here;
+      for (const Met& m : met) {
+        const double both =
+            onward ? (reflects ? decay_integral(m.a + m.b, m.b + m.c, m.depth)
+                               : crossing_integral(m.a, m.c, m.b, m.depth))
+                   : (reflects ? decay_integral(m.a + m.b, m.a + m.c, m.depth)
+                               : crossing_integral(m.a, m.b, m.a + m.b + m.c, m.depth));
+        here += std::exp(-m.in - m.out) * both * (m.k1 * m.k2);
+      }
+      const Met &first = met[onward ? 0 : 1], &second = met[onward ? 1 : 0];
+      const double sent =
+          std::exp(-first.in) * (onward ? crossing_integral(first.a, first.c, first.depth)
+                                        : decay_integral(first.a + first.c, first.depth));
+      const double seen =
+          std::exp(-second.out) * (onward == reflects
+                                       ? decay_integral(second.b + second.c, second.depth)
+                                       : crossing_integral(second.c, second.b, second.depth));
+      here += sent * seen * (first.k1 * second.k2);
+      sum += about.weights[n] / std::abs(w.z) * here;
+    }
+    sum = 1 / (wi.z * std::abs(wo.z)) * sum;
+    const MirrorPairs::Value found = pairs(wi, wo, 1e-9);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.f[c] / sum[c], 1, 3e-5) << c << ' ' << wo.z;
+  }
+}
+
+TEST(MirrorPairs, AreReciprocalAndTurnWithTheStack) {
+  const auto stack_at = [](double turn) {
+    const double c = std::cos(turn), s = std::sin(turn);
+    return stack_of(layer(along(sggx(0.1, "mirror") + "\nshape = \"fiber\"", c, s, 0.3), 0.9, 1) +
+                    layer(along(sggx(0.3, "mirror"), -s, c, 1), 0.8, 0.5));
+  };
+  const Stack stack = stack_at(0), turned = stack_at(1);
+  const MirrorPairs pairs(stack), of_turned(turned);
+  for (const auto& [mu_i, mu_o, phi] : {std::array{0.7, 0.4, 1.0}, std::array{0.2, -0.6, 2.5}}) {
+    const Direction wi = direction_from_mu_phi(mu_i, 0.3), wo = direction_from_mu_phi(mu_o, phi);
+    const double there = pairs(wi, wo, 1e-9).f.r;
+    EXPECT_NEAR(pairs(wo, wi, 1e-9).f.r / there, 1, 1e-7);
+    EXPECT_NEAR(
+        of_turned(direction_from_mu_phi(mu_i, 1.3), direction_from_mu_phi(mu_o, phi + 1), 1e-9)
+                .f.r /
+            there,
+        1, 1e-7);
+  }
+}
+
+// On lanes as with doubles.
+TEST(MirrorPairs, AreTheSameOnLanes) {
+  const Stack stack =
+      stack_of(layer(along(sggx(0.2, "mirror"), 0.3, 0.1, 1) + "\nf0 = [0.9, 0.5, 0.1]", 0.9, 0.1) +
+               layer(along(vmf(0.4, "mirror"), 0.1, 0, 1), 0.9, 2) + layer(kSphere, 0.9, 0.4));
+  const MirrorPairs reference(stack);
+  for (const Isa isa : supported_isas()) {
+    const MirrorPairs pairs(stack, isa);
+    for (const double mu : {0.5, -0.4}) {
+      const Direction wi = direction_from_mu_phi(0.6, 0), wo = direction_from_mu_phi(mu, 2.5);
+      const Rgb a = reference(wi, wo, 1e-10).f, b = pairs(wi, wo, 1e-10).f;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(b[c] / a[c], 1, 1e-10) << to_text(isa);
+    }
+  }
+}
+
+// Means over cells within their bounds of a product rule that is far finer than the cells.
+TEST(PairCells, AreMeansWithinTheirBounds) {
+  const Stack stack =
+      stack_of(layer(along(sggx(0.4, "mirror") + "\nshape = \"fiber\"", 1, 0, 0), 0.9, 1));
+  const MirrorPairs pairs(stack, supported_isas().back());
+  const CellGrid grid{8, 16};
+  const Direction wi = direction_from_degrees(45, 20);
+  const std::vector<int> cells{0, 38, 120};
+  for (const bool up : {true, false}) {
+    const auto means = pair_cells(pairs, grid, wi, up, cells,
+                                  std::vector<Rgb>(grid.rows(), Rgb(1e-4)), 0.4, nullptr);
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const int row = cells[k] / grid.columns(), column = cells[k] % grid.columns();
+      const double low = std::sqrt(std::asin(grid.edge_mu(row + 1))),
+                   high = std::sqrt(std::asin(grid.edge_mu(row)));
+      const Quadrature& rule = cached_gauss_legendre(8);
+      double sum = 0, weights = 0;
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b) {
+          const double t = low + (high - low) * rule.points[a], e = t * t;
+          const double weight = rule.weights[a] * rule.weights[b] * t * std::sin(e) * std::cos(e);
+          const double phi =
+              azimuth(wi) + grid.edge_phi(column) + grid.edge_phi(1) * rule.points[b];
+          weights += weight;
+          sum += weight *
+                 pairs(wi, direction_from_mu_phi(up ? std::sin(e) : -std::sin(e), phi), 1e-6).f.r;
+        }
+      ASSERT_TRUE(means[k]);
+      EXPECT_LE(means[k]->error.r, 1.3e-4);
+      EXPECT_NEAR(means[k]->value.r, sum / weights, means[k]->error.r + 2e-6) << cells[k] << up;
+    }
+  }
+  const std::atomic<bool> stop{true};
+  EXPECT_FALSE(
+      pair_cells(pairs, grid, wi, true, {3}, std::vector<Rgb>(8, Rgb(1e-3)), 0.4, &stop)[0]);
+}
+
+}  // namespace
+}  // namespace lamella
