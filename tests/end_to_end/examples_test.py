@@ -4,7 +4,7 @@ import subprocess
 
 from lamella_program import LIMIT, PROGRAM, WITH_CERES, ProgramTest
 
-COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "check", "fit", "invert", "eval", "bench", "sweep", "samples",
+COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "check", "fit", "invert", "eval", "tabulate", "bench", "sweep", "samples",
             "preview", "show", "rerun", "completion", "man", "explain", "models", "media", "stacks",
             "grid", "export", "import", "merge", "library", "scaling", "soak", "homogenise", "measure", "reproduce", "accuracy"]
 

@@ -144,10 +144,10 @@ class EveryOption(ProgramTest):
     def test_words_beside_what_a_command_takes(self):
         for command in self.commands():
             words = WORDS.get(command, [])
-            if command in ("eval", "invert", "grid", "check"):  # take key=value
+            if command in ("eval", "tabulate", "invert", "grid", "check"):  # take key=value
                 self.refused(command, *words[:1], "nonsense", *words[2:] if command == "eval" else [],
                              *(["--pairs", "pairs.csv"] if command == "eval" else []), parts=['"nonsense"'])
-            elif command in ("accuracy", "bench", "samplers", "man"):
+            elif command in ("accuracy", "bench", "samplers", "man", "soak"):
                 self.refused(command, "nonsense", parts=['"nonsense"'])
             else:
                 self.refused(command, *(words or ["sggx_slab"]), "nonsense", parts=['"nonsense"'])
