@@ -139,12 +139,12 @@ class Micrograin final : public Model {
         return w / kPi * g_.albedo;
       case GrainSurface::mirror:
       case GrainSurface::conductor:
-        return w * specular(*a, wi, wo);
+        return w * specular_lobe(*a, wi, wo);
       case GrainSurface::dielectric:
         break;
     }
     const double base = loss_(a->mu_i) * loss_(a->mu_o) / (kPi * loss_.mean());
-    return w * (specular(*a, wi, wo) + base * g_.albedo);
+    return w * (specular_lobe(*a, wi, wo) + base * g_.albedo);
   }
 
   /// One of the bulk's own sampler, the cosine law for Lambertian parts, and the grains' normals. A
@@ -208,7 +208,7 @@ class Micrograin final : public Model {
     return schlick(g_.f0, schlick_weight(cosine));
   }
 
-  [[nodiscard]] Rgb specular(const ReflectionAngles& a, Direction wi, Direction wo) const {
+  [[nodiscard]] Rgb specular_lobe(const ReflectionAngles& a, Direction wi, Direction wo) const {
     const Direction h = normalized(half_vector(wi, wo));
     // G / (mu_i mu_o), which is finite at grazing
     const double shadowing = 1 / (a.mu_o * area(a.mu_i) + a.mu_i * area(a.mu_o) - a.mu_i * a.mu_o);

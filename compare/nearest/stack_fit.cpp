@@ -17,8 +17,6 @@
 namespace lamella {
 namespace {
 
-constexpr int kStackSteps = 8;
-constexpr double kStackTolerance = 1e-5;                // of the last search
 constexpr double kSolverStep = 5e-3, kWalkStep = 2e-2;  // of the ranges, for derivatives
 constexpr int kFewestNodes = 12, kMostNodes = 32, kMostModes = 48;
 constexpr double kCoarseTolerance = 2e-3;  // of searches, whose nodes are the fewest
