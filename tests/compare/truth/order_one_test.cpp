@@ -38,7 +38,7 @@ std::vector<double> p_values(const Stack& stack, Direction wi) {
     const ProjectedLobes projected = project(*model, info, wi, grid, up, plan.channels);
     for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
       Simulation truth(stack, plan, wi, estimator, grid, 3);
-      truth.advance(estimator == Estimator::analog ? 120000 : 26000);
+      truth.advance(testing::soaked(estimator == Estimator::analog ? 60000 : 13000));
       for (const LobeComparison& l : compare(reduce(truth), &truth, projected, reflected))
         if (l.order == Order::one) p.push_back(l.p_value);
     }
