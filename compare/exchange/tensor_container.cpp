@@ -147,7 +147,7 @@ std::vector<TensorField> read_tensor_file(const std::string& bytes, const std::s
       field.bytes.assign(from, numbers);
     } else if (type == kF32) {
       field.numbers.resize(numbers);
-      std::memcpy(field.numbers.data(), from, 4 * numbers);
+      if (numbers > 0) std::memcpy(field.numbers.data(), from, 4 * numbers);
     } else if (type == kF64) {
       for (std::uint64_t n = 0; n < numbers; ++n) {
         double value;

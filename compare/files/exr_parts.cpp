@@ -15,6 +15,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "compare/files/exr_header_sizes.h"
 #include "compare/files/output_folder.h"
 
 namespace lamella {
@@ -41,6 +42,7 @@ auto reading(const fs::path& path, const Read& read) {
     throw OutputError(
         fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
   try {
+    check_exr_header_sizes(path);
     return read();
   } catch (const std::exception& e) {
     throw OutputError(in_one_line(fmt::format("cannot read {}: {}", path.string(), e.what())));

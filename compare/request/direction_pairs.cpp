@@ -16,6 +16,7 @@ namespace lamella {
 namespace {
 
 Direction from_cosine(double mu, double phi_in_degrees) {
+  if (std::abs(phi_in_degrees) > 1e6) phi_in_degrees = std::fmod(phi_in_degrees, 360);
   const double s = std::sqrt((1 - mu) * (1 + mu));
   return {s * boost::math::cos_pi(phi_in_degrees / 180),
           s * boost::math::sin_pi(phi_in_degrees / 180), mu};

@@ -15,6 +15,7 @@ Direction direction_from_degrees(double theta, double phi) {
   using boost::math::cos_pi;
   using boost::math::sin_pi;
   const double s = sin_pi(theta / 180);
+  if (std::abs(phi) > 1e6) phi = std::fmod(phi, 360);  // beyond 4e11 the library's int ends
   return {s * cos_pi(phi / 180), s * sin_pi(phi / 180), cos_pi(theta / 180)};
 }
 

@@ -9,6 +9,8 @@
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <fstream>
 #include <vector>
 
 #include "tests/compare/files/temporary_folder.h"
@@ -51,6 +53,26 @@ TEST(ExrParts, ReadTilesAsThePictureThatTheyCover) {
     for (std::size_t k = 0; k < image.channels[0].second.size(); ++k)
       ASSERT_EQ(image.channels[0].second[k], static_cast<float>(k));
   }
+}
+
+// OpenEXR asks for the memory of an attribute before it reads it.
+TEST(ExrParts, RefuseAttributesOfMoreBytesThanTheFileHas) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "a.exr";
+  const auto write = [&](std::uint32_t size) {
+    std::string bytes("\x76\x2f\x31\x01\x02\x00\x00\x00what\0kind\0", 18);
+    for (int k = 0; k < 4; ++k) bytes += static_cast<char>(size >> 8 * k & 255);
+    std::ofstream(path, std::ios::binary) << bytes << "abcd";
+  };
+  write(0x69696969);
+  try {
+    (void)read_exr_parts(path);
+    FAIL();
+  } catch (const OutputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("an attribute of 1768515945 bytes, where the file has 4"));
+  }
+  write(4);  // what else is wrong with it is the library's to say
+  EXPECT_THROW((void)read_exr_parts(path), OutputError);
 }
 
 TEST(ExrParts, RefuseSubsampledColours) {
