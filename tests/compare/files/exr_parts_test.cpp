@@ -71,6 +71,15 @@ TEST(ExrParts, RefuseAttributesOfMoreBytesThanTheFileHas) {
   } catch (const OutputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("an attribute of 1768515945 bytes, where the file has 4"));
   }
+  // A type of 4 bytes that says it has 3.
+  std::ofstream(path, std::ios::binary)
+      << std::string("\x76\x2f\x31\x01\x02\x00\x00\x00what\0int\0\x03\0\0\0abcd", 25);
+  try {
+    (void)read_exr_parts(path);
+    FAIL();
+  } catch (const OutputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the type int with 3 bytes, where its content has 4"));
+  }
   write(4);  // what else is wrong with it is the library's to say
   EXPECT_THROW((void)read_exr_parts(path), OutputError);
 }
