@@ -61,20 +61,16 @@ std::vector<double> legendre_sums(const PairFunction& p, int terms, int points) 
   return sums;
 }
 
-struct Modes {
-  std::vector<Rgb> values;
-};
-
-Modes modes_of(const std::vector<Rgb>& around, int modes) {
+std::vector<Rgb> modes_of(const std::vector<Rgb>& around, int modes) {
   const auto count = around.size();
-  Modes found{std::vector<Rgb>(static_cast<std::size_t>(modes))};
+  std::vector<Rgb> found(static_cast<std::size_t>(modes));
   for (int m = 0; m < modes; ++m) {
     Rgb sum;
     for (std::size_t k = 0; k < count; ++k)
       sum += std::cos(2 * kPi * static_cast<double>(static_cast<std::size_t>(m) * k % count) /
                       static_cast<double>(count)) *
              around[k];
-    found.values[static_cast<std::size_t>(m)] = (1 / static_cast<double>(count)) * sum;
+    found[static_cast<std::size_t>(m)] = (1 / static_cast<double>(count)) * sum;
   }
   return found;
 }
@@ -126,7 +122,7 @@ NumberTable fourier_table(const PairFunction& f, const std::vector<double>& mu_i
       require_symmetry(f, mi, mo);
       const Direction wi = direction_from_mu_phi(mi, 0);
       std::vector<Rgb> around;
-      Modes now, before;
+      std::vector<Rgb> now, before;
       double error = 0;
       for (int count = std::max(kFewest, 2 * modes); count <= kMost; count *= 2) {
         // Every second place is known.
@@ -138,19 +134,19 @@ NumberTable fourier_table(const PairFunction& f, const std::vector<double>& mu_i
         around = std::move(finer);
         before = std::move(now);
         now = modes_of(around, modes);
-        if (before.values.empty()) continue;
+        if (before.empty()) continue;
         error = 0;
         double size = 0;
-        for (std::size_t m = 0; m < now.values.size(); ++m)
+        for (std::size_t m = 0; m < now.size(); ++m)
           for (int c = 0; c < channels; ++c) {
-            error = std::max(error, std::abs(now.values[m][c] - before.values[m][c]));
-            size = std::max(size, std::abs(now.values[m][c]));
+            error = std::max(error, std::abs(now[m][c] - before[m][c]));
+            size = std::max(size, std::abs(now[m][c]));
           }
         if (error <= kStill * size) break;
       }
-      for (std::size_t m = 0; m < now.values.size(); ++m) {
+      for (std::size_t m = 0; m < now.size(); ++m) {
         std::vector<double> row{mi, mo, static_cast<double>(m)};
-        for (int c = 0; c < channels; ++c) row.push_back(now.values[m][c]);
+        for (int c = 0; c < channels; ++c) row.push_back(now[m][c]);
         row.push_back(error);
         table.rows.push_back(std::move(row));
       }
