@@ -89,7 +89,7 @@ KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& s
         }
         return sum / (4 * kPi);
       },
-      [](double, double, double) { return 4.0; }, true};
+      [](double, double, double) { return 4.0; }, true, true};
   return sampled(profile, 1, sets, modes, true);
 }
 

@@ -23,7 +23,7 @@ namespace lamella {
                  [=](double mu_i, double mu_o, double gap) {
                    return gap + shrink * (mu_i + mu_o) * (mu_i + mu_o);
                  },
-                 true};
+                 true, true};
 }
 
 [[nodiscard]] inline auto kernel_profile(const MirrorFlakes<Vmf>& m) {
@@ -41,7 +41,7 @@ namespace lamella {
                  [=](double mu_i, double mu_o, double gap) {
                    return gap + shrink * (mu_i + mu_o) * (mu_i + mu_o);
                  },
-                 true};
+                 true, false};
 }
 
 [[nodiscard]] inline auto kernel_profile(const LambertSphere&) {
@@ -50,14 +50,14 @@ namespace lamella {
         return lambert_sphere_phase(std::max(-1.0, 1 - (hxy2 + hz * hz) / 2));
       },
       [](double mu_i, double mu_o, double gap) { return gap + (mu_i + mu_o) * (mu_i + mu_o); },
-      true};
+      true, true};
 }
 
 [[nodiscard]] inline auto kernel_profile(const Rayleigh&) {
   return Profile{
       [](double hxy2, double hz) { return rayleigh_phase(1 - (hxy2 + hz * hz) / 2); },
       [](double mu_i, double mu_o, double gap) { return gap + (mu_i + mu_o) * (mu_i + mu_o); },
-      true};
+      true, true};
 }
 
 [[nodiscard]] inline auto kernel_profile(const HenyeyGreenstein& m) {
@@ -74,7 +74,7 @@ namespace lamella {
         const double dz = forward ? mu_i + mu_o : mu_i - mu_o;
         return width + gap + dz * dz;
       },
-      forward};
+      forward, true};
 }
 
 /// Calls f with the profile of a medium that has one; false for Lambertian flakes.

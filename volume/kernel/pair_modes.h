@@ -25,15 +25,16 @@ struct Pair {
 /// The medium as the azimuthal quadrature sees it. value: the kernel by |h_xy|^2 and h_z. reach: by
 /// mu_i, mu_o and the gap, the square of the imaginary part of the kernel's nearest singularity in
 /// x, times the product of the sines. peak_at_zero_x: whether the singularity is near x = 0; else
-/// near pi.
+/// near pi. is_even: whether the value is the same for -h_z.
 template <class F, class G>
 struct Profile {
   F value;
   G reach;
   bool peak_at_zero_x = true;
+  bool is_even = true;
 };
 template <class F, class G>
-Profile(F, G, bool) -> Profile<F, G>;
+Profile(F, G, bool, bool) -> Profile<F, G>;
 
 /// Points in the azimuth for kernels whose nearest singularity is at distance b from y = 0 in the
 /// imaginary direction, and for the cosines of `modes` modes.

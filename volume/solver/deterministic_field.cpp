@@ -229,9 +229,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
     std::optional<SecondSplit> split;
     if (steep_) {
       channel->second.emplace(stack_, channels_[k]);
-      split.emplace(stack_, channels_[k],
-                    DirectionSets(accuracy_.nodes, channel->out.distinct, channel->in.distinct,
-                                  grazing_map(stack_)),
+      split.emplace(stack_, channels_[k], accuracy_.nodes, channel->out.asked, channel->in.asked,
                     isa_);
     }
     solver->prepare(modes_[k]);

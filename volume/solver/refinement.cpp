@@ -247,10 +247,10 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   solution.stack_ = stack;
   solution.tolerance_ = options.tolerance;
   solution.isa_ = options.isa;
-  // Order 2 in closed form knows no boundaries.
-  solution.steep_ =
-      !stack.has_boundaries() && std::any_of(stack.layers.begin(), stack.layers.end(),
-                                             [](const Layer& l) { return is_steep(l.medium); });
+  // Behind a rough boundary no light is a beam, and order 2 is as smooth as order 3.
+  solution.steep_ = !stack.has_rough_interfaces() &&
+                    std::any_of(stack.layers.begin(), stack.layers.end(),
+                                [](const Layer& l) { return !l.interface && is_steep(l.medium); });
   const OuterIndices outer(stack);
   const int parts = stack.is_open_below() ? 4 : 1;
   // Narrow lobes of rough interfaces are missed by the nodes about the normal first.
@@ -277,9 +277,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       const std::unique_ptr<StackSolver> modes = make_stack_solver(
           stack, channel, nodes, probes_out, probes_in, solution.steep_ ? 2 : 1, options.isa);
       std::optional<SecondSplit> split;
-      if (solution.steep_)
-        split.emplace(stack, channel,
-                      DirectionSets(nodes, kProbesOut, kProbesIn, grazing_map(stack)), options.isa);
+      if (solution.steep_) split.emplace(stack, channel, nodes, probes_out, probes_in, options.isa);
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
       int max_modes = std::min(options.max_modes, 16 * nodes + 24);

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <memory>
 
 #include "phase/stack/stack.h"
 
 namespace lamella {
+
+struct SecondKinds;
+class SecondOrderPass;
 
 /// Scattering of order 2 at a pair of directions, by quadrature over the direction w' in between:
 ///   f2 = 1 / (|mu_i| |mu_o|) integral dw' / |mu'| sum over layers j, k of
@@ -15,8 +18,13 @@ namespace lamella {
 /// and are steep nearby: in the azimuth, Gauss-Legendre in asinh about both; in mu', tanh-sinh
 /// between 0 (where I changes its form), these two cosines and +-1, doubled until it stands still.
 ///
+/// Between smooth boundaries light reaches the first event, the second and the way out along beams
+/// that reflect and refract (volume/solver/stack_beams.h), and w' runs on through all reflections
+/// until the second event: I_jk is then a sum over the ways up and down, and mu' ends at each
+/// critical angle too.
+///
 /// Only events in media with a closed kernel count (volume/kernel/kernel_profiles.h): Lambertian
-/// flakes and the substrate attenuate and absorb.
+/// flakes and the substrate attenuate and absorb. No rough boundaries.
 class SecondOrder {
  public:
   SecondOrder(const Stack& stack, int channel);
@@ -33,7 +41,8 @@ class SecondOrder {
   struct Modes {
     Eigen::ArrayXd f;
     /// Of f2 at any x, from these modes: what the next doubling would change, were it to fall as
-    /// under the last two, a hundredfold at most (tanh-sinh squares it).
+    /// under the last two, a hundredfold at most (tanh-sinh squares it). With interfaces: what the
+    /// last doubling changed.
     double error = 0;
   };
   /// The first `count` modes for a pair of cosines, neither 0: the same integral with the kernels'
@@ -41,21 +50,15 @@ class SecondOrder {
   [[nodiscard]] Modes modes(double mu_i, double mu_o, int count, double tolerance) const;
 
   /// Whether any layer's medium counts.
-  [[nodiscard]] bool is_empty() const { return kinds_.empty(); }
+  [[nodiscard]] bool is_empty() const;
 
  private:
-  struct Kind {
-    std::size_t layer;
-    double albedo, f0;
-  };
-  struct Pass;
-
   // Neither light nor order 2 between these sides.
   [[nodiscard]] bool is_dark(double mu_i, double mu_o) const;
+  [[nodiscard]] std::unique_ptr<SecondOrderPass> pass(Direction wi, Direction wo) const;
 
   Stack stack_;
-  std::vector<Kind> kinds_;   // distinct ones that count
-  std::vector<int> kind_of_;  // per layer; -1: does not count
+  std::shared_ptr<const SecondKinds> kinds_;
 };
 
 }  // namespace lamella

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "volume/solver/deterministic_channel.h"
+#include "volume/adding/make_stack_solver.h"
 
 namespace lamella {
 namespace {
@@ -14,30 +14,34 @@ bool is_counted(const Medium& medium) { return traits(medium).shape != PhaseShap
 Stack counted_by_second_order(const Stack& stack) {
   Stack counted = stack;
   for (Layer& layer : counted.layers)
-    if (!is_counted(layer.medium)) layer.albedo = Rgb(0);
-  if (counted.substrate) counted.substrate->albedo = Rgb(0);
+    if (!layer.interface && !is_counted(layer.medium)) layer.albedo = Rgb(0);
+  if (counted.substrate) {
+    counted.substrate->albedo = Rgb(0);
+    counted.substrate->law.reset();
+  }
   return counted;
 }
 
-SecondSplit::SecondSplit(const Stack& stack, int channel, const DirectionSets& sets, Isa isa)
+SecondSplit::SecondSplit(const Stack& stack, int channel, int nodes,
+                         std::span<const AskedCosine> asked_out,
+                         std::span<const AskedCosine> asked_in, Isa isa)
     : stack_(counted_by_second_order(stack)),
-      every_mode_(std::any_of(
-          stack.layers.begin(), stack.layers.end(),
-          [&](const Layer& l) { return !is_counted(l.medium) && l.albedo[channel] > 0; })),
+      every_mode_((stack.substrate && stack.substrate->law) ||
+                  std::any_of(stack.layers.begin(), stack.layers.end(),
+                              [&](const Layer& l) {
+                                return !l.interface && !is_counted(l.medium) &&
+                                       l.albedo[channel] > 0;
+                              })),
       // A Lambertian substrate takes part in mode 0 only.
       first_mode_(stack.substrate && stack.substrate->albedo[channel] > 0) {
-  if (every_mode_ || first_mode_) modes_.emplace(stack_, channel, sets, 2, isa);
+  if (every_mode_ || first_mode_)
+    modes_ = make_stack_solver(stack_, channel, nodes, asked_out, asked_in, 2, isa);
 }
 
 std::optional<Parts> SecondSplit::counted(int m) {
   if (!(every_mode_ || (first_mode_ && m == 0))) return std::nullopt;
   modes_->prepare(m + 1);
-  const LayerOperator op = modes_->mode(m);
-  const Eigen::Index nodes = modes_->sets().nodes();
-  Parts result;
-  for (int part = 0; part < 4; ++part)
-    result[part] = asked_block(part_of(op, part)[2], nodes, nodes);
-  return result;
+  return modes_->asked_mode(m).series[2];
 }
 
 }  // namespace lamella

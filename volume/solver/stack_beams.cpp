@@ -1,0 +1,90 @@
+#include "volume/solver/stack_beams.h"
+
+#include <cmath>
+
+#include "volume/adding/smooth_boundary.h"
+#include "volume/quadrature/direction_sets.h"
+
+namespace lamella {
+
+std::vector<StackElement> elements_of(const Stack& stack) {
+  std::vector<StackElement> elements;
+  double index = 1;
+  for (const Layer& layer : stack.layers) {
+    if (layer.interface) {
+      if (layer.interface->ior != index)
+        elements.push_back({nullptr, &*layer.interface, index, layer.interface->ior});
+      index = layer.interface->ior;
+    } else if (layer.depth() > 0) {
+      elements.push_back({&layer, nullptr, index, index});
+    }
+  }
+  return elements;
+}
+
+StackBeam beam_of(const std::vector<StackElement>& elements, Direction w, bool reversed,
+                  const std::function<double(double mu)>& ground) {
+  const std::size_t n = elements.size();
+  const double top = n == 0 ? 1 : elements.front().above,
+               bottom = n == 0 ? 1 : elements.back().below;
+  const bool from_above = w.z > 0;
+  StackBeam beam{std::vector<double>(n + 1), std::vector<double>(n + 1, 0.0),
+                 std::vector<double>(n + 1, 0.0), std::vector<double>(n), std::vector<double>(n)};
+  for (std::size_t p = 0; p <= n; ++p)
+    beam.mu[p] = snell_cosine(std::abs(w.z), from_above ? top : bottom,
+                              p == 0 ? top : elements[p - 1].below);
+  struct Crossing {
+    double reflected, down, up;
+  };
+  std::vector<Crossing> crossings;
+  for (std::size_t e = 0; e < n; ++e) {
+    const double mu = beam.mu[e];
+    if (const Layer* layer = elements[e].layer) {
+      if (mu > 0) {
+        const double sine = std::sqrt((1 - mu) * (1 + mu)), z = reversed ? -mu : mu;
+        beam.rate_down[e] = sigma(layer->medium, {sine, 0, z}) / mu;
+        beam.rate_up[e] = sigma(layer->medium, {sine, 0, -z}) / mu;
+      }
+      const auto crosses = [&](double rate) {
+        return mu > 0 && rate > 0 ? std::exp(-rate * layer->depth()) : mu > 0 ? 1.0 : 0.0;
+      };
+      crossings.push_back({0, crosses(beam.rate_down[e]), crosses(beam.rate_up[e])});
+    } else if (elements[e].is_rough()) {
+      crossings.push_back({0, 0, 0});  // beams end here
+    } else {
+      const SmoothShares s =
+          smooth_shares(elements[e].above, mu, elements[e].below, beam.mu[e + 1]);
+      crossings.push_back({s.reflected, s.transmitted, s.transmitted});
+    }
+  }
+  // What lies beyond each place, as seen by the beam, reflects that share.
+  std::vector<double> beyond(n + 1, 0.0);
+  const auto step = [&](std::size_t e) {
+    const std::size_t far = from_above ? e + 1 : e, near = from_above ? e : e + 1;
+    const Crossing& c = crossings[e];
+    const double twice = c.down * c.up * beyond[far];
+    beyond[near] = c.reflected + (twice == 0 ? 0 : twice / (1 - c.reflected * beyond[far]));
+  };
+  if (from_above) beyond[n] = ground(beam.mu[n]);
+  if (from_above)
+    for (std::size_t e = n; e-- > 0;) step(e);
+  else
+    for (std::size_t e = 0; e < n; ++e) step(e);
+  std::vector<double>& on = from_above ? beam.down : beam.up;
+  std::vector<double>& back = from_above ? beam.up : beam.down;
+  on[from_above ? 0 : n] = 1;
+  const auto follow = [&](std::size_t e) {
+    const std::size_t far = from_above ? e + 1 : e, near = from_above ? e : e + 1;
+    const Crossing& c = crossings[e];
+    const double crosses = from_above ? c.down : c.up;
+    on[far] = crosses == 0 ? 0 : on[near] * crosses / (1 - c.reflected * beyond[far]);
+  };
+  if (from_above)
+    for (std::size_t e = 0; e < n; ++e) follow(e);
+  else
+    for (std::size_t e = n; e-- > 0;) follow(e);
+  for (std::size_t p = 0; p <= n; ++p) back[p] = beyond[p] * on[p];
+  return beam;
+}
+
+}  // namespace lamella
