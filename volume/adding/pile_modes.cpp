@@ -50,7 +50,7 @@ PileModes::PileModes(const Stack& stack, int channel, int nodes,
     const auto slab = std::find_if(slabs_.begin(), slabs_.end(), [&](const Slab& s) {
       return s.kind == kind_index && s.depth == layer.depth();
     });
-    elements_.push_back({slab - slabs_.begin(), nullptr, bottom_, bottom_});
+    elements_.push_back({slab - slabs_.begin(), nullptr, bottom_, bottom_, &layer});
     if (slab == slabs_.end()) slabs_.push_back({kind_index, layer.depth()});
   }
 }
@@ -84,6 +84,15 @@ void PileModes::make_kernels(int modes) {
       e.rough.reset();
       e.rough.emplace(*e.interface, *e.above, *e.below, ready_);
     }
+  if (is_rough_plate()) {
+    std::vector<const Layer*> layers;
+    for (const Element& e : elements_)
+      if (e.slab) layers.push_back(e.layer);
+    const Element &upper = elements_.front(), &lower = elements_.back();
+    crossing_.reset();
+    crossing_.emplace(*upper.interface, *lower.interface, *top_, *upper.below, *bottom_,
+                      std::move(layers), ready_);
+  }
   if (stack_.substrate && stack_.substrate->law) {
     ground_.reset();
     ground_.emplace(stack_.substrate->law, channel_, *bottom_, ready_);
@@ -103,6 +112,42 @@ std::size_t PileModes::bytes_of(int modes) const {
                  pairs(*e.below, *e.below);
   if (stack_.substrate && stack_.substrate->law) entries += pairs(*bottom_, *bottom_);
   return entries * static_cast<std::size_t>(modes) * sizeof(double);
+}
+
+bool PileModes::is_rough_plate() const {
+  if (stack_.substrate || elements_.size() < 2) return false;
+  const auto is_rough = [](const Element& e) {
+    return e.interface && e.interface->facets.shape != FacetShape::smooth;
+  };
+  return is_rough(elements_.front()) && is_rough(elements_.back()) &&
+         std::all_of(elements_.begin() + 1, elements_.end() - 1,
+                     [](const Element& e) { return e.slab.has_value(); });
+}
+
+void PileModes::correct_crossing(AskedMode& mode, int m) const {
+  const DirectionSets& between = *elements_.front().below;
+  const PileOperator upper = elements_.front().rough->at(m), lower = elements_.back().rough->at(m);
+  const auto correct = [&](bool down) {
+    const DirectionSets &from = down ? *top_ : *bottom_, &to = down ? *bottom_ : *top_;
+    const MatrixXd& first = down ? upper.above.t[0] : lower.below.t[0];
+    const MatrixXd& second = down ? lower.above.t[0] : upper.below.t[0];
+    const Index nodes = between.nodes();
+    VectorXd share(nodes);
+    for (Index j = 0; j < nodes; ++j)
+      share[j] = between.flux[j] * crossing_->survives(between.in[j], down);
+    MatrixXd change = (down ? crossing_->down : crossing_->up)[m] -
+                      second.bottomLeftCorner(second.rows() - to.nodes(), nodes) *
+                          share.asDiagonal() *
+                          first.topRightCorner(nodes, first.cols() - from.nodes());
+    for (std::size_t i = 0; i < to.out_exists.size(); ++i)
+      if (!to.out_exists[i]) change.row(static_cast<Index>(i)).setZero();
+    for (std::size_t j = 0; j < from.in_exists.size(); ++j)
+      if (!from.in_exists[j]) change.col(static_cast<Index>(j)).setZero();
+    for (const int series : {0, static_cast<int>(kOrderZero)})
+      mode.series[series][down ? kAboveToDown : kBelowToUp] += change;
+  };
+  correct(true);
+  correct(false);
 }
 
 PileOperator PileModes::element(const Element& e, int m) const {
@@ -162,6 +207,7 @@ AskedMode PileModes::asked_mode(int m) const {
     clear(kBelowToDown, *bottom_, *bottom_);
     clear(kBelowToUp, *top_, *bottom_);
   }
+  if (crossing_) correct_crossing(result, m);
   if (m > 0) return result;
   const auto energies = [&](const PileSide& side, const DirectionSets& entry,
                             const DirectionSets& exit) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "volume/adding/rough_boundary.h"
+#include "volume/adding/rough_crossing.h"
 #include "volume/adding/stack_modes.h"
 
 namespace lamella {
@@ -41,6 +42,7 @@ class PileModes : public StackSolver {
     std::optional<std::size_t> slab;
     const Interface* interface = nullptr;
     const DirectionSets *above, *below;
+    const Layer* layer = nullptr;  // of a slab
     std::optional<RoughBoundary> rough{};
   };
 
@@ -50,6 +52,10 @@ class PileModes : public StackSolver {
   [[nodiscard]] PileOperator element(const Element& e, int m) const;
   [[nodiscard]] PileOperator ground(int m) const;
   [[nodiscard]] PileOperator pile(int m) const;
+  // Whether the stack is layers between two rough boundaries.
+  [[nodiscard]] bool is_rough_plate() const;
+  // Puts what RoughCrossing has in the place of the sum over nodes.
+  void correct_crossing(AskedMode& mode, int m) const;
 
   const Stack& stack_;
   int channel_, orders_;
@@ -61,6 +67,7 @@ class PileModes : public StackSolver {
   std::vector<Slab> slabs_;
   std::vector<Element> elements_;
   std::optional<Ground> ground_;  // a law's
+  std::optional<RoughCrossing> crossing_;
 };
 
 /// The indices of refraction of a stack's media, distinct and ascending.
