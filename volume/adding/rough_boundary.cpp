@@ -189,8 +189,8 @@ Ground::Ground(std::shared_ptr<const SurfaceLaw> law, int channel, const Directi
       for (int m = 0; m < modes; ++m) {
         r_[m](i, j) = now.sum();
         next = step * now - before;
-        before = now;
-        now = next;
+        before.swap(now);
+        now.swap(next);
       }
     }
   });

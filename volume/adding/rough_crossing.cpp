@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volume/kernel/facet_profile.h"
 
 namespace lamella {
 namespace {

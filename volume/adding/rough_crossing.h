@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "phase/stack/stack.h"
-#include "volume/quadrature/direction_sets.h"
+#include "volume/kernel/facet_profile.h"
 
 namespace lamella {
 

@@ -16,16 +16,19 @@ double chord2(double x) {
   return 4 * s * s;
 }
 
+// Few different rules, each of which is kept.
+int rounded_up(double points) { return (static_cast<int>(points) / 8 + 1) * 8; }
+
 // Gauss-Legendre in t on (0, stretch), x = b sinh t: dense about 0 where f peaks, with points
 // enough for the cosines of the modes.
 template <class Add>
 void from_peak(double end, double b, int modes, const Add& add) {
   const double stretch = std::asinh(end / b);
-  const int n = static_cast<int>(20 + 5 * stretch + 0.28 * modes * end * std::max(1.0, stretch));
+  const int n = rounded_up(20 + 5 * stretch + 0.28 * modes * end * std::max(1.0, stretch));
   const Quadrature& rule = cached_gauss_legendre(n);
   for (int k = 0; k < n; ++k) {
-    const double t = stretch * rule.points[k];
-    add(b * std::sinh(t), rule.weights[k] * stretch * b * std::cosh(t));
+    const double e = std::exp(stretch * rule.points[k]);
+    add(b * (e - 1 / e) / 2, rule.weights[k] * stretch * b * (e + 1 / e) / 2);
   }
 }
 
@@ -34,12 +37,11 @@ template <class Add>
 void from_root(double start, double end, double b, int modes, const Add& add) {
   const double length = std::sqrt(end - start), near = std::sqrt(std::hypot(b, start));
   const double stretch = std::asinh(length / near);
-  const int n =
-      static_cast<int>(24 + 6 * stretch + 0.5 * modes * (end - start) * std::max(1.0, stretch));
+  const int n = rounded_up(24 + 6 * stretch + 0.5 * modes * (end - start) * std::max(1.0, stretch));
   const Quadrature& rule = cached_gauss_legendre(n);
   for (int k = 0; k < n; ++k) {
-    const double t = stretch * rule.points[k], z = near * std::sinh(t);
-    add(start + z * z, rule.weights[k] * stretch * near * std::cosh(t) * 2 * z);
+    const double e = std::exp(stretch * rule.points[k]), z = near * (e - 1 / e) / 2;
+    add(start + z * z, rule.weights[k] * stretch * near * (e + 1 / e) * z);
   }
 }
 
@@ -86,7 +88,8 @@ FacetProfile::Pair FacetProfile::pair_of(double mu_i, double mu_o) const {
 }
 
 double FacetProfile::value(const Pair& pair, double mu_i, double mu_o, double x) const {
-  const double hxy2 = pair.gap + pair.product * chord2(x), hz2 = pair.hz * pair.hz;
+  const double chord = chord2(x);
+  const double hxy2 = pair.gap + pair.product * chord, hz2 = pair.hz * pair.hz;
   const double h2 = hxy2 + hz2;
   if (!(h2 > 0)) return 0;
   const double alpha2 = facets_.alpha_x * facets_.alpha_x;
@@ -101,7 +104,7 @@ double FacetProfile::value(const Pair& pair, double mu_i, double mu_o, double x)
   if (ratio_ == 0) return density / 4 * reflectance_(std::min(1.0, std::sqrt(h2) / 2));
   const double h = std::sqrt(h2);
   // w_i . w_o
-  const double c = -sine(mu_i) * sine(mu_o) * std::cos(x) - mu_i * mu_o;
+  const double c = -sine(mu_i) * sine(mu_o) * (1 - chord / 2) - mu_i * mu_o;
   const double ci = -(1 + ratio_ * c) / h, co = -(c + ratio_) / h;
   if (!(ci > 0)) return 0;
   return (1 - refraction(std::min(ci, 1.0), ratio_).reflectance) * density * ci * ratio_ * ratio_ *
@@ -143,8 +146,8 @@ void FacetProfile::modes(double mu_i, double mu_o, ArrayXd& result) const {
   for (int m = 0; m < count; ++m) {
     result[m] = now.sum();
     next = step * now - before;
-    before = now;
-    now = next;
+    before.swap(now);
+    now.swap(next);
   }
 }
 

@@ -68,8 +68,8 @@ void pair_modes(const P& profile, double f0, double mu_i, double mu_o, Eigen::Ar
   for (int m = 0; m < modes; ++m) {
     result[m] = now.sum();
     next = step * now - before;
-    before = now;
-    now = next;
+    before.swap(now);
+    now.swap(next);
   }
 }
 
