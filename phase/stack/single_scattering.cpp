@@ -1,5 +1,6 @@
 #include "phase/stack/single_scattering.h"
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -9,10 +10,29 @@ namespace {
 // (1 - exp(-x)) / x
 double mean_decay(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
+// A number per layer, without an allocation for few.
+class PerLayer {
+ public:
+  explicit PerLayer(int layers) {
+    if (layers <= kFew) return;
+    many_.resize(layers);
+    data_ = many_.data();
+  }
+  PerLayer(const PerLayer&) = delete;
+  PerLayer& operator=(const PerLayer&) = delete;
+  double& operator[](int k) { return data_[k]; }
+
+ private:
+  static constexpr int kFew = 8;
+  std::array<double, kFew> few_{};
+  std::vector<double> many_;
+  double* data_ = few_.data();
+};
+
 }  // namespace
 
 SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo) {
-  refuse_grid(stack, "single scattering in closed form");
+  if (stack.has_grid()) refuse_grid(stack, "single scattering in closed form");
   stack.require_layers("single scattering");
   wi = with_grazing_limit(wi);
   wo = with_grazing_limit(wo);
@@ -23,14 +43,14 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
   if (!reflects && !stack.is_open_below()) return result;
 
   const int n = static_cast<int>(stack.layers.size());
-  std::vector<double> areas_i(n), areas_o(n);
+  PerLayer areas_i(n), areas_o(n);
   for (int k = 0; k < n; ++k) {
     areas_i[k] = sigma(stack.layers[k].medium, wi);
     areas_o[k] = sigma(stack.layers[k].medium, -wo);
   }
   // Of the layers that transmitted light has yet to cross after each step. Summed from the far
   // side: a difference of sums would lose what is thin beside what is thick or grazing.
-  std::vector<double> tau_o_far(n, 0.0);
+  PerLayer tau_o_far(n);
   if (!reflects)
     for (int step = n - 1; step > 0; --step) {
       const int k = from_above ? step : n - 1 - step;

@@ -79,11 +79,20 @@ void PileModes::make_kernels(int modes) {
     kind.scattering.emplace(kind.layer->medium, kind.layer->albedo[channel_],
                             kind.layer->f0[channel_], *kind.sets, ready_);
   }
-  for (Element& e : elements_)
-    if (e.interface && e.interface->facets.shape != FacetShape::smooth) {
-      e.rough.reset();
+  for (Element& e : elements_) e.rough.reset();
+  for (Element& e : elements_) {
+    if (!e.interface || e.interface->facets.shape == FacetShape::smooth) continue;
+    // The faces of a plate are often the same.
+    const auto turned = std::find_if(elements_.begin(), elements_.end(), [&](const Element& other) {
+      return other.rough && other.above == e.below && other.below == e.above &&
+             other.interface->facets == e.interface->facets &&
+             other.interface->masking == e.interface->masking;
+    });
+    if (turned != elements_.end())
+      e.rough = turned->rough->turned();
+    else
       e.rough.emplace(*e.interface, *e.above, *e.below, ready_);
-    }
+  }
   if (is_rough_plate()) {
     std::vector<const Layer*> layers;
     for (const Element& e : elements_)

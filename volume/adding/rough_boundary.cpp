@@ -127,6 +127,13 @@ RoughBoundary::RoughBoundary(const Interface& interface, const DirectionSets& ab
   from_dense.lost -= rare.flux.transpose() * from_dense.t[0].topRows(rare_nodes);
 }
 
+RoughBoundary RoughBoundary::turned() const {
+  RoughBoundary other = *this;
+  std::swap(other.above_, other.below_);
+  std::swap(other.from_above_, other.from_below_);
+  return other;
+}
+
 PileOperator RoughBoundary::at(int mode) const {
   PileOperator pile{above_, below_, {}, {}, true};
   const auto fill = [&](PileSide& side, const Side& from, const DirectionSets& entry) {

@@ -18,6 +18,9 @@ class RoughBoundary {
   RoughBoundary(const Interface& interface, const DirectionSets& above, const DirectionSets& below,
                 int modes);
 
+  /// The same boundary turned upside down.
+  [[nodiscard]] RoughBoundary turned() const;
+
   [[nodiscard]] PileOperator at(int mode) const;
 
  private:
