@@ -12,7 +12,7 @@ namespace lamella {
 namespace {
 
 // Panels in mu that hold whole rows of cells, and how many points the first round gives each.
-constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 48;
+constexpr int kPanels = 4, kPoints = 12, kMaxPoints = 48;
 // Powers of t that make f smooth where it is steep, and where it behaves like a root.
 constexpr int kSteepPower = 3, kRootPower = 4;
 
