@@ -49,7 +49,9 @@ void check_settings(const fs::path& file, const Json& settings) {
 LobeDatasetPlan plan_of(const Options& options, const DatasetOptions& asked) {
   const CellGrid grid = parse_grid(asked.grid);
   return {.layers = asked.layers,
-          .stacks = asked.stacks ? asked.stacks : asked.layers == 1 ? 4000u : 12000u,
+          .stacks = asked.stacks        ? asked.stacks
+                    : asked.layers == 1 ? 4000u
+                                        : 12000u,
           .walks = options.walks_given ? options.walks : LobeDatasetPlan{}.walks,
           .seed = options.seed,
           .directions = asked.directions,
@@ -97,7 +99,8 @@ int dataset_command(const Options& options, const DatasetOptions& asked) {
     double noise = 0;
     for (const LobeDatum& one : data) noise += one.lobes.relative_noise();
     if (!options.quiet)
-      fmt::print(out, "{} of {}: noise per cell {:.3f} of the root mean square, {:.0f} stacks per "
+      fmt::print(out,
+                 "{} of {}: noise per cell {:.3f} of the root mean square, {:.0f} stacks per "
                  "minute\n",
                  block_name(block), plan.blocks(), noise / static_cast<double>(data.size()),
                  60 * static_cast<double>(made) / seconds());
@@ -114,8 +117,8 @@ int dataset_command(const Options& options, const DatasetOptions& asked) {
   const std::string digits = hash.digits();
   if (!options.quiet)
     fmt::print(out, "{}/: {} of {} files{}; sha256 of their checksums {}\n", options.output, there,
-               plan.blocks(), monitor.is_stopped() ? " (interrupted: the same command goes on)" : "",
-               digits);
+               plan.blocks(),
+               monitor.is_stopped() ? " (interrupted: the same command goes on)" : "", digits);
   Json answer = json_header("dataset", plan.seed, isa_from_text("auto"));
   answer["settings"] = settings_of(plan);
   answer["folder"] = options.output;

@@ -60,9 +60,6 @@ void check_stack(const Stack& stack) {
     throw UsageError(fmt::format(
         "fit: found stack \"{}\"; allowed: layers of SGGX mirror flakes or henyey_greenstein",
         stack.name));
-  if (stack.layers.size() > static_cast<std::size_t>(kSpongecakeLayers))
-    throw UsageError(fmt::format("fit: found stack \"{}\" of {} layers; allowed: up to {}",
-                                 stack.name, stack.layers.size(), kSpongecakeLayers));
 }
 
 // Options that only fits of models have a use for.

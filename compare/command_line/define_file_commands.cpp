@@ -149,10 +149,10 @@ void define_soak(CommandLine& line) {
 }
 
 void define_dataset(CommandLine& line) {
-  CLI::App& command = line.add(
-      "dataset", "Random SpongeCake stacks with their multiple scattering, for training",
-      "lamella dataset --layers 1 --stacks 50 --walks 2048 -o spongecakes",
-      [&] { return dataset_command(line.options, line.dataset); });
+  CLI::App& command =
+      line.add("dataset", "Random SpongeCake stacks with their multiple scattering, for training",
+               "lamella dataset --layers 1 --stacks 50 --walks 2048 -o spongecakes",
+               [&] { return dataset_command(line.options, line.dataset); });
   command.add_option("--layers", line.dataset.layers, "Layers per stack (default 1)")
       ->transform(whole_number(1, 4))
       ->type_name("N");
@@ -161,12 +161,12 @@ void define_dataset(CommandLine& line) {
                   "Stacks (default 4000 of one layer, 12000 of more, as the paper has)")
       ->transform(whole_number(1, 1000000))
       ->type_name("N");
-  command.add_option("--directions", line.dataset.directions,
-                     "Incident directions per stack (default 8)")
+  command
+      .add_option("--directions", line.dataset.directions,
+                  "Incident directions per stack (default 8)")
       ->transform(whole_number(1, 256))
       ->type_name("N");
-  command
-      .add_option("--grid", line.dataset.grid, "Cells per hemisphere MUxPHI (default 8x16)")
+  command.add_option("--grid", line.dataset.grid, "Cells per hemisphere MUxPHI (default 8x16)")
       ->type_name("MUxPHI");
   add_walks(command, line, "Walks per incident direction", 32768);
   add_seed(command, line);

@@ -10,8 +10,8 @@ namespace {
 
 template <class T>
 std::string npy(const std::string& type, const std::string& shape, const std::vector<T>& numbers) {
-  return npy_header(type, shape) + std::string(reinterpret_cast<const char*>(numbers.data()),
-                                               numbers.size() * sizeof(T));
+  return npy_header(type, shape) +
+         std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
 }
 
 void put(std::vector<float>& to, double x) { to.push_back(static_cast<float>(x)); }
@@ -32,9 +32,9 @@ LobeDatum lobe_datum(const LobeDatasetPlan& plan, std::uint64_t number) {
   LobeDatum datum{random_spongecake_stack(plan.layers, plan.seed, number), {}};
   const std::uint64_t seed =
       plan.seed + (((number + 1) * 16 + static_cast<std::uint64_t>(plan.layers)) << 8);
-  datum.lobes = multiple_lobes(
-      datum.stack, random_directions(plan.directions, plan.layers, plan.seed, number), plan.grid,
-      plan.walks, seed);
+  datum.lobes = multiple_lobes(datum.stack,
+                               random_directions(plan.directions, plan.layers, plan.seed, number),
+                               plan.grid, plan.walks, seed);
   return datum;
 }
 
@@ -63,9 +63,9 @@ std::string lobe_block(const std::vector<LobeDatum>& data, std::uint64_t first) 
   add("number", npy("<u8", fmt::format("({},)", n), number));
   add("parameters", npy("<f4", fmt::format("({}, {}, 12)", n, layers), parameters));
   add("w_i", npy("<f4", fmt::format("({}, {}, 3)", n, directions), incident));
-  add("f", npy("<f4",
-               fmt::format("({}, {}, 2, {}, {}, 3)", n, directions, grid.rows(), grid.columns()),
-               f));
+  add("f",
+      npy("<f4", fmt::format("({}, {}, 2, {}, {}, 3)", n, directions, grid.rows(), grid.columns()),
+          f));
   add("noise", npy("<f4", fmt::format("({},)", n), noise));
   return bytes + zip.end();
 }

@@ -21,8 +21,8 @@ MultipleLobes multiple_lobes(const Stack& stack, const std::vector<Direction>& i
                              const CellGrid& grid, std::uint64_t walks, std::uint64_t seed) {
   Plan plan = make_plan(stack, {.max_order = kMaxOrder, .thinning = Thinning{}});
   plan.isa = isa_from_text("auto");
-  MultipleLobes lobes{.grid = grid, .incident = incident, .walks = walks, .value = {},
-                      .variance = {}};
+  MultipleLobes lobes{
+      .grid = grid, .incident = incident, .walks = walks, .value = {}, .variance = {}};
   const std::size_t cells = lobes.cells_per_direction();
   const double n = static_cast<double>(walks), area = grid.projected_solid_angle();
   std::vector<double> sum(3 * cells), squares(3 * cells);
@@ -49,8 +49,8 @@ MultipleLobes multiple_lobes(const Stack& stack, const std::vector<Direction>& i
     }
     for (std::size_t k = 0; k < sum.size(); ++k) {
       lobes.value.push_back(static_cast<float>(sum[k] / (n * area)));
-      lobes.variance.push_back(static_cast<float>(
-          std::max(squares[k] - sum[k] * sum[k] / n, 0.0) / (n * n * area * area)));
+      lobes.variance.push_back(static_cast<float>(std::max(squares[k] - sum[k] * sum[k] / n, 0.0) /
+                                                  (n * n * area * area)));
     }
   }
   return lobes;

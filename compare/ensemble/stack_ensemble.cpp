@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "analytic/layered/spongecake_ranges.h"
+#include "analytic/spongecake_network/spongecake_ranges.h"
 #include "phase/medium/media.h"
 #include "phase/random/random.h"
 
@@ -78,8 +78,8 @@ std::vector<Direction> random_directions(int count, int layers, std::uint64_t se
   std::vector<Direction> directions;
   for (int k = 0; k < count; ++k) {
     const double t = (k + stream.uniform()) / count;
-    directions.push_back(direction_from_mu_phi(kLeastCosine + t * (1 - kLeastCosine),
-                                               2 * kPi * stream.uniform()));
+    directions.push_back(
+        direction_from_mu_phi(kLeastCosine + t * (1 - kLeastCosine), 2 * kPi * stream.uniform()));
   }
   return directions;
 }
