@@ -12,7 +12,8 @@ single scattering stands in `lobes` as tensors, and the loss compares it with th
 of the data set: --loss mae is the mean absolute error of f, as in the paper; --loss relative is the
 mean over the stacks of the root mean square error over the truth's root mean square.
 
-Beside the weights, NAME.json says how they were made, and NAME.csv has the curves.
+The best network so far is written at every validation. Beside the weights, NAME.json says how they
+were made, and NAME.csv has the curves.
 """
 import argparse
 import hashlib
@@ -30,7 +31,8 @@ import torch
 HIDDEN = 128
 ROUGHNESS, DEPTH = (0.05, 1.0), (0.02, 10.0)  # analytic/spongecake_network/spongecake_ranges.h
 LEAST_ROUGHNESS, MOST_ROUGHNESS, LEAST_F0 = 0.02, 0.999, 0.01
-CELL_POINTS = 2  # per axis of a cell
+CELL_POINTS = 2  # per axis of a cell, in validations
+MOST_CHECKED = 64  # stacks of a validation
 
 
 def layer_inputs(layers):
@@ -71,7 +73,11 @@ class Perceptron(torch.nn.Module):
             torch.nn.Linear(a, b) for a, b in zip(sizes[:-1], sizes[1:])
         )
         torch.nn.init.normal_(self.steps[-1].weight, std=0.01)
+        # Begins with a second lobe that is rougher and darker than the first.
         torch.nn.init.zeros_(self.steps[-1].bias)
+        with torch.no_grad():
+            for k in range(layers):
+                self.steps[-1].bias[4 * k : 4 * k + 3] = torch.tensor([0.5, 0.0, -1.5])
 
     def forward(self, x):
         for step in self.steps[:-1]:
@@ -180,14 +186,13 @@ class Data:
         self.scale = (self.f**2).mean((1, 2)).sqrt().clamp_min(1e-9)
         self.mean = self.f.mean((1, 2)).clamp_min(1e-9)
 
-    def directions(self, stacks, cells, jitter):
+    def directions(self, stacks, cells, jitter, p):
         """w_i, w_o [n, m * points, 3] of cells [n, m]: stratified points within each."""
         per_side = self.rows * self.columns
         direction, rest = cells // (2 * per_side), cells % (2 * per_side)
         side, cell = rest // per_side, rest % per_side
         row, column = cell // self.columns, cell % self.columns
         wi = torch.gather(self.wi[stacks], 1, direction[..., None].expand(-1, -1, 3))
-        p = CELL_POINTS
         u = (torch.arange(p).repeat_interleave(p) + jitter[0]) / p
         v = (torch.arange(p).repeat(p) + jitter[1]) / p
         mu = (1 - (row[..., None] + u) / self.rows).clamp_min(1e-6).sqrt()
@@ -202,7 +207,7 @@ class Data:
         return wi.reshape(n, -1, 3), wo.reshape(n, -1, 3)
 
 
-def predicted(data, net, stacks, cells, jitter, channels=None):
+def predicted(data, net, stacks, cells, jitter, points, channels=None):
     p = data.parameters[stacks]
     f = torch.gather(data.f[stacks], 1, cells[..., None].expand(-1, -1, 3))
     if channels is not None:
@@ -210,9 +215,9 @@ def predicted(data, net, stacks, cells, jitter, channels=None):
         p[..., 1:4], p[..., 5:8] = p[..., 1 + channels], p[..., 5 + channels]
         f = f[..., channels]
     lobe = decode(p, net(features(p)))
-    wi, wo = data.directions(stacks, cells, jitter)
+    wi, wo = data.directions(stacks, cells, jitter, points)
     model = single_scattering(lobe, p[..., 8], p[..., 9:12], wi, wo)
-    model = model.reshape(f.shape[0], f.shape[1], CELL_POINTS**2, 3).mean(2)
+    model = model.reshape(f.shape[0], f.shape[1], points**2, 3).mean(2)
     return model, f
 
 
@@ -223,7 +228,7 @@ def validate(data, net, stacks):
     with torch.no_grad():
         for part in stacks.split(16):
             cells = torch.arange(data.f.shape[1]).expand(len(part), -1)
-            model, f = predicted(data, net, part, cells, middle)
+            model, f = predicted(data, net, part, cells, middle, CELL_POINTS)
             share = ((model - f) ** 2).mean((1, 2)) / data.scale[part] ** 2
             noise = data.noise[part] ** 2
             # scale^2 holds the noise's variance too.
@@ -239,7 +244,7 @@ def validate(data, net, stacks):
 
 
 def save(net, layers, path):
-    """Little-endian: "LMSC", version, layers, then per step rows, columns, weights, biases; CRC-32."""
+    """"LMSC", version, layers, per step rows, columns, weights, biases; CRC-32. Little-endian."""
     out = b"LMSC" + struct.pack("<II", 1, layers)
     for step in net.steps:
         w = step.weight.detach().numpy().astype("<f4")
@@ -250,6 +255,40 @@ def save(net, layers, path):
     return out
 
 
+def write(given, data, net, curve, training, validation):
+    """The weights of now, how they were made, and the curves so far."""
+    layers = data.parameters.shape[1]
+    weights = save(net, layers, given.weights)
+    name = pathlib.Path(given.weights)
+    # What this network predicts, for the test of the program's own.
+    some = validation[:3]
+    with torch.no_grad():
+        lobes = decode(data.parameters[some], net(features(data.parameters[some])))
+    report = {
+        "command": "train.py " + " ".join(
+            f"--{k} {v}" for k, v in vars(given).items() if k not in ("folder", "weights")),
+        "data": {**data.settings, "there": data.count, "sha256": data.checksum,
+                 "noise_per_cell_mean": float(data.noise.mean())},
+        "training_stacks": len(training), "validation_stacks": len(validation),
+        "steps": curve[-1]["steps"], "seconds": curve[-1]["seconds"],
+        "validation": {k: v for k, v in curve[-1].items() if "relative" in k or "mean" in k},
+        "weights_sha256": hashlib.sha256(weights).hexdigest(),
+        "examples": [
+            {"parameters": data.parameters[s].tolist(),
+             **{key: lobes[key][k].tolist()
+                for key in ("roughness", "depth", "albedo", "f0", "constant")}}
+            for k, s in enumerate(some.tolist())
+        ],
+    }
+    name.with_suffix(".json").write_text(json.dumps(report, indent=1) + "\n")
+
+
+def write_curve(given, curve):
+    heads = list(curve[0])
+    lines = [",".join(heads)] + [",".join(f"{r[h]:.6g}" for h in heads) for r in curve]
+    pathlib.Path(given.weights).with_suffix(".csv").write_text("\n".join(lines) + "\n")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folder", help="of lamella dataset")
@@ -257,8 +296,10 @@ def main():
     parser.add_argument("--minutes", type=float, default=60, help="of training, by the clock")
     parser.add_argument("--loss", choices=["mae", "relative"], default="relative")
     parser.add_argument("--batch", type=int, default=32, help="stacks per step")
-    parser.add_argument("--cells", type=int, default=96, help="cells per stack and step")
+    parser.add_argument("--cells", type=int, default=64, help="cells per stack and step")
+    parser.add_argument("--points", type=int, default=1, help="per axis of a cell, at random")
     parser.add_argument("--rate", type=float, default=2e-3, help="of Adam, at the beginning")
+    parser.add_argument("--checks", type=int, default=12, help="validations in all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     given = parser.parse_args()
@@ -273,19 +314,18 @@ def main():
     validation = torch.arange(data.count - held, data.count)
     net = Perceptron(layers)
     adam = torch.optim.Adam(net.parameters(), lr=given.rate)
-    curve, best, best_state = [], math.inf, None
-    start, step = time.time(), 0
-    while time.time() - start < 60 * given.minutes:
+    curve, best = [], math.inf
+    start, step, sums, since = time.time(), 0, 0.0, 0
+    share = 0.0
+    while share < 1:
         order = training[torch.randperm(len(training))]
-        sums = 0.0
-        batches = [b for b in order.split(given.batch) if len(b) == given.batch]
-        for stacks in batches:
+        for stacks in order.split(given.batch):
             share = min((time.time() - start) / (60 * given.minutes), 1)
             for group in adam.param_groups:
                 group["lr"] = given.rate * (0.005 + 0.995 * 0.5 * (1 + math.cos(math.pi * share)))
-            cells = torch.randint(data.f.shape[1], (given.batch, given.cells))
-            jitter = torch.rand(2, given.batch, given.cells, CELL_POINTS**2)
-            model, f = predicted(data, net, stacks, cells, jitter, torch.randperm(3))
+            cells = torch.randint(data.f.shape[1], (len(stacks), given.cells))
+            jitter = torch.rand(2, len(stacks), given.cells, given.points**2)
+            model, f = predicted(data, net, stacks, cells, jitter, given.points, torch.randperm(3))
             if given.loss == "mae":
                 loss = (model - f).abs().mean()
             else:
@@ -297,34 +337,21 @@ def main():
             loss.backward()
             torch.nn.utils.clip_grad_norm_(net.parameters(), 1.0)
             adam.step()
-            sums += float(loss.detach())
-            step += 1
-            if time.time() - start > 60 * given.minutes:
+            sums, since, step = sums + float(loss.detach()), since + 1, step + 1
+            if share * given.checks >= len(curve) + 1 or share == 1:
+                now = validate(data, net, validation[:MOST_CHECKED])
+                row = {"seconds": round(time.time() - start), "steps": step,
+                       "loss": sums / since, **now}
+                sums, since = 0.0, 0
+                curve.append(row)
+                print(json.dumps(row), flush=True)
+                key = "mean_absolute_error" if given.loss == "mae" else "relative_rmse_mean"
+                if now[key] < best:
+                    best = now[key]
+                    write(given, data, net, curve, training, validation)
+                write_curve(given, curve)
+            if share == 1:
                 break
-        now = validate(data, net, validation)
-        row = {"seconds": round(time.time() - start), "steps": step,
-               "loss": sums / len(batches), **now}
-        curve.append(row)
-        print(json.dumps(row), flush=True)
-        if now["relative_rmse_mean"] < best:
-            best = now["relative_rmse_mean"]
-            best_state = {k: v.clone() for k, v in net.state_dict().items()}
-    net.load_state_dict(best_state)
-    weights = save(net, layers, given.weights)
-    name = pathlib.Path(given.weights)
-    report = {
-        "command": "train.py " + " ".join(
-            f"--{k} {v}" for k, v in vars(given).items() if k not in ("folder", "weights")),
-        "data": {**data.settings, "there": data.count, "sha256": data.checksum,
-                 "noise_per_cell_mean": float(data.noise.mean())},
-        "training_stacks": len(training), "validation_stacks": len(validation), "steps": step,
-        "validation": validate(data, net, validation),
-        "weights_sha256": hashlib.sha256(weights).hexdigest(),
-    }
-    name.with_suffix(".json").write_text(json.dumps(report, indent=2) + "\n")
-    heads = list(curve[0])
-    lines = [",".join(heads)] + [",".join(f"{r[h]:.6g}" for h in heads) for r in curve]
-    name.with_suffix(".csv").write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

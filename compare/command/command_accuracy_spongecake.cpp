@@ -58,12 +58,12 @@ double roughness_of(const Stack& stack) {
   return least;
 }
 
-struct Part {
+struct StackPart {
   std::string name;
   std::function<bool(const Stack&)> has;
 };
 
-std::vector<Part> parts() {
+std::vector<StackPart> parts() {
   const auto layers = [](std::size_t n) {
     return [n](const Stack& s) { return s.layers.size() == n; };
   };
@@ -172,7 +172,7 @@ Json spongecake_accuracy(const Options& options, const RunMonitor& monitor, std:
                rows.size(), ensemble.walks, ensemble.directions,
                percent_text(mean_of(all, [](const SpongecakeAccuracy& r) { return r.noise; })));
     print_part(out, "all", all, fits);
-    for (const Part& part : parts()) {
+    for (const StackPart& part : parts()) {
       Rows those;
       for (const SpongecakeAccuracy& row : rows)
         if (part.has(row.stack)) those.push_back(&row);

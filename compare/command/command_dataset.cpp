@@ -72,9 +72,9 @@ std::vector<LobeDatum> found_block(const LobeDatasetPlan& plan, std::uint64_t fi
 }  // namespace
 
 int dataset_command(const Options& options, const DatasetOptions& asked) {
+  const LobeDatasetPlan plan = plan_of(options, asked);
   if (options.output.empty())
     throw UsageError("dataset: found no -o; allowed: -o FOLDER, where the set is kept");
-  const LobeDatasetPlan plan = plan_of(options, asked);
   const Shard part =
       options.shard.empty() ? Shard{} : shard_from(options.shard, process_environment());
   const RunMonitor monitor = terminal_monitor(options);

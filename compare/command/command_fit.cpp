@@ -91,13 +91,15 @@ int fit_stack(const Options& options) {
   const std::vector<WalkSetting>& asked = request.given;
   if (std::find(asked.begin(), asked.end(), WalkSetting::walks) == asked.end()) {
     catch_interrupts();
-    SpongecakeTruth found = fit_spongecake_by_walks(
+    SpongecakeTruth found = fit_spongecake_to_truth(
         stack, {request.seed, request.limits, request.isa, &user_interrupt});
-    by = fmt::format("{} analog walks per direction, {}", found.walks,
-                     found.is_sharp   ? "whose noise is small beside what the lobes leave over"
-                     : user_interrupt ? "when it was interrupted"
-                     : found.is_late  ? "the most in 20 s (--walks for more)"
-                                      : "the most that are tried (--walks for more)");
+    by = found.walks == 0
+             ? std::string("by the solver")
+             : fmt::format("{} analog walks per direction, {}", found.walks,
+                           found.is_sharp ? "whose noise is small beside what the lobes leave over"
+                           : user_interrupt ? "when it was interrupted"
+                           : found.is_late  ? "the most in 20 s (--walks for more)"
+                                            : "the most that are tried (--walks for more)");
     runs = std::move(found.runs);
     fit = std::move(found.fit);
   } else {

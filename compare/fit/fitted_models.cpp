@@ -59,7 +59,7 @@ ModelRequest with_fitted_lobes(ModelRequest request, const Stack& stack) {
   std::string why_not = refusal(stack);
   if (why_not.empty()) {
     try {
-      request = take(fit_spongecake_by_walks(stack, {}).fit.request, "fit");
+      request = take(fit_spongecake_to_truth(stack, {}).fit.request, "fit");
       request.sources["lobes"] = fmt::format("{}; no network: {}", source, no_network);
       return request;
     } catch (const std::invalid_argument& error) {

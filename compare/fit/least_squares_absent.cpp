@@ -1,4 +1,5 @@
-// Stands in for least_squares.cpp, bounded_least_squares.cpp and sampler_fit.cpp where there is no Ceres.
+// Stands in for least_squares.cpp, bounded_least_squares.cpp and sampler_fit.cpp where there is no
+// Ceres.
 #include "compare/fit/bounded_least_squares.h"
 #include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"

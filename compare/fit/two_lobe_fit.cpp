@@ -147,7 +147,7 @@ class Search {
 
   // [cell][column], of channel c.
   void fill_columns(const Stack& second, int c, std::vector<double>& columns) const {
-    std::vector<LayerScattering> layers(second.layers.size());
+    std::vector<LayerSingle> layers(second.layers.size());
     columns.assign(cells_.size() * columns_, 0);
     for (std::size_t n = 0; n < cells_.size(); ++n) {
       double* row = &columns[n * columns_];

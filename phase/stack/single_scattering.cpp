@@ -85,8 +85,8 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
 }
 
 void single_scattering_by_layer(const Stack& stack, Direction wi, Direction wo,
-                                std::span<LayerScattering> layers) {
-  std::fill(layers.begin(), layers.end(), LayerScattering{});
+                                std::span<LayerSingle> layers) {
+  std::fill(layers.begin(), layers.end(), LayerSingle{});
   visit_layers(stack, wi, wo, [&](int k, double g, double s) { layers[k] = {g, g * s}; });
 }
 

@@ -30,11 +30,11 @@ struct SingleScattering {
 
 /// What one event in a layer gives at albedo 1 [1/sr]: of flakes without a Fresnel factor (f0 = 1),
 /// and the part that is left at f0 = 0. At albedo a and f0: a (f0 full + (1 - f0) edge).
-struct LayerScattering {
+struct LayerSingle {
   double full = 0, edge = 0;
 };
 /// The layers' parts of single_scattering apart, into `layers`, one per layer of the stack.
 void single_scattering_by_layer(const Stack& stack, Direction wi, Direction wo,
-                                std::span<LayerScattering> layers);
+                                std::span<LayerSingle> layers);
 
 }  // namespace lamella
