@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "analytic/layered/single_scattering_model.h"
+#include "analytic/spongecake_network/spongecake_network.h"
+#include "analytic/spongecake_network/spongecake_ranges.h"
 #include "phase/medium/media.h"
 
 namespace lamella {
@@ -68,12 +70,13 @@ std::vector<ParameterInfo> lobe_parameters() {
       {.name = "lobes",
        .kind = ParameterKind::choice,
        .unit = "1",
-       .doc = "the two further lobes: fitted to the stack unless their keys are given; none",
-       .default_value = "fitted",
-       .choices = {"fitted", "given", "none"}},
-      weight("second_weight", "of the second single-scattering lobe; 0: none"),
-      weight("lambert_reflect", "albedo of the constant lobe on the light's side"),
-      weight("lambert_transmit", "albedo of the constant lobe on the other side")};
+       .doc = "where the two further lobes come from; auto: given with a key of theirs, else "
+              "network for one or two layers within its ranges, else fit",
+       .default_value = "auto",
+       .choices = {"auto", "network", "fit", "given", "none"}},
+      weight("second_weight", "W1, of the second single-scattering lobe; 0: none"),
+      weight("lambert_reflect", "W2, albedo of the constant lobe on the light's side"),
+      weight("lambert_transmit", "W2, albedo of the constant lobe on the other side")};
   for (int k = 1; k <= kSpongecakeLayers; ++k) {
     list.push_back(factor(fmt::format("second_roughness_{}", k),
                           fmt::format("second lobe: factor on the roughness or g of layer {}", k),
@@ -83,6 +86,9 @@ std::vector<ParameterInfo> lobe_parameters() {
                           ParameterKind::number, 0, "1"));
     list.push_back(factor(fmt::format("second_albedo_{}", k),
                           fmt::format("second lobe: factor on the albedo of layer {}", k),
+                          ParameterKind::color, 0, "1"));
+    list.push_back(factor(fmt::format("second_f0_{}", k),
+                          fmt::format("second lobe: factor on Schlick's f0 of layer {}", k),
                           ParameterKind::color, 0, "1"));
   }
   return list;
@@ -102,10 +108,14 @@ bool is_spongecake_stack(const Stack& stack) {
 Stack spongecake_second_stack(const Stack& stack, std::span<const SpongecakeFactors> factors) {
   Stack second = stack;
   second.substrate.reset();
-  for (std::size_t k = 0; k < std::min(factors.size(), second.layers.size()); ++k) {
+  if (factors.empty()) return second;
+  for (std::size_t k = 0; k < second.layers.size(); ++k) {
+    if (k >= factors.size() && factors.size() < kSpongecakeLayers) break;
     Layer& layer = second.layers[k];
-    const SpongecakeFactors& f = factors[k];
+    const SpongecakeFactors& f = factors[std::min(k, factors.size() - 1)];
     layer.albedo = f.albedo * layer.albedo;
+    if (k < kSpongecakeLayers)
+      for (int c = 0; c < 3; ++c) layer.f0[c] = std::min(1.0, f.f0[c] * layer.f0[c]);
     layer.density *= f.depth;
     if (f.roughness == 1) continue;
     const char* key = std::holds_alternative<HenyeyGreenstein>(layer.medium) ? "g" : "roughness";
@@ -120,6 +130,77 @@ Stack spongecake_second_stack(const Stack& stack, std::span<const SpongecakeFact
   return second;
 }
 
+namespace {
+
+bool is_within(double x, const double (&range)[2]) { return x >= range[0] && x <= range[1]; }
+bool is_within(Rgb x, const double (&range)[2]) {
+  return is_within(x.r, range) && is_within(x.g, range) && is_within(x.b, range);
+}
+
+// The layers as the network reads them. Only where why_no_network is empty.
+std::vector<NetworkLayer> network_layers(const Stack& stack) {
+  std::vector<NetworkLayer> layers;
+  for (const Layer& layer : stack.layers) {
+    const Direction axis = layer.parameters.vector("axis");
+    layers.push_back({.fiber = layer.parameters.choice("shape") == "fiber",
+                      .roughness = layer.parameters.number("roughness"),
+                      .axis = 1 / length(axis) * axis,
+                      .depth = layer.depth(),
+                      .albedo = layer.albedo,
+                      .f0 = layer.f0});
+  }
+  return layers;
+}
+
+}  // namespace
+
+std::string why_no_network(const Stack& stack) {
+  if (!is_spongecake_stack(stack)) return "not a stack of SpongeCake's";
+  if (stack.layers.empty() || stack.layers.size() > 2)
+    return fmt::format("{} layers, and the networks are of 1 and 2", stack.layers.size());
+  if (stack.substrate) return "a substrate, and the network is trained without";
+  for (std::size_t k = 0; k < stack.layers.size(); ++k) {
+    const Layer& layer = stack.layers[k];
+    const Parameters& p = layer.parameters;
+    if (!std::holds_alternative<MirrorFlakes<Sggx>>(layer.medium))
+      return fmt::format("layer {} is of particles, and the network is trained on flakes", k);
+    if (!p.has("roughness") || !p.has("shape") || !p.has("axis"))
+      return fmt::format("layer {} is given by a matrix", k);
+    const auto outside = [&](const char* name, const auto& value, const double(&range)[2]) {
+      return is_within(value, range)
+                 ? std::string()
+                 : fmt::format("{} {} of layer {} is outside of the trained {} to {}", name,
+                               to_text(ParameterValue(value)), k, range[0], range[1]);
+    };
+    for (const std::string& reason :
+         {outside("roughness", p.number("roughness"), SpongecakeRanges::kRoughness),
+          outside("depth", layer.depth(), SpongecakeRanges::kDepth),
+          outside("albedo", layer.albedo, SpongecakeRanges::kAlbedo),
+          outside("f0", layer.f0, SpongecakeRanges::kF0)})
+      if (!reason.empty()) return reason;
+  }
+  return {};
+}
+
+SpongecakeLobes predicted_lobes(const Stack& stack) {
+  if (const std::string why = why_no_network(stack); !why.empty())
+    throw ParameterError("lobes", fmt::format("network ({})", why), "fit, given, none or auto");
+  const std::vector<NetworkLayer> layers = network_layers(stack);
+  const PredictedLobes found = spongecake_network(static_cast<int>(layers.size())).predict(layers);
+  SpongecakeLobes lobes{.factors = {}, .reflect = found.reflect, .transmit = found.transmit};
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    const NetworkLayer &own = layers[k], &second = found.layers[k];
+    SpongecakeFactors f{.roughness = second.roughness / own.roughness,
+                        .depth = second.depth / own.depth};
+    for (int c = 0; c < 3; ++c) {
+      f.albedo[c] = second.albedo[c] / own.albedo[c];
+      f.f0[c] = second.f0[c] / own.f0[c];
+    }
+    lobes.factors.push_back(f);
+  }
+  return lobes;
+}
+
 ModelInfo spongecake_model() {
   return {.name = "spongecake",
           .doc =
@@ -129,8 +210,8 @@ ModelInfo spongecake_model() {
           .parameters = lobe_parameters(),
           .lobes = {{"single", "one event in one of the layers", Order::one},
                     {"substrate", "one reflection from the substrate", Order::one},
-                    {"second", "the second single-scattering lobe", Order::all},
-                    {"lambert", "the constant lobe", Order::all}},
+                    {"second", "the second single-scattering lobe", Order::multiple},
+                    {"lambert", "the constant lobe", Order::multiple}},
           .reciprocal = true,
           .transmits = true,
           .needs_stack = true,
@@ -143,13 +224,23 @@ ModelInfo spongecake_model() {
             for (int k = 1; k <= kSpongecakeLayers; ++k)
               factors.push_back({p.number(fmt::format("second_roughness_{}", k)),
                                  p.number(fmt::format("second_depth_{}", k)),
-                                 p.color(fmt::format("second_albedo_{}", k))});
+                                 p.color(fmt::format("second_albedo_{}", k)),
+                                 p.color(fmt::format("second_f0_{}", k))});
             const bool off = p.color("second_weight") == Rgb() &&
                              p.color("lambert_reflect") == Rgb() &&
                              p.color("lambert_transmit") == Rgb();
             if (p.choice("lobes") == "none" && !off)
               throw ParameterError("lobes", "\"none\" beside a lobe that is not 0",
-                                   "fitted, given, or no key of a lobe");
+                                   "auto, given, or no key of a lobe");
+            const std::string& lobes = p.choice("lobes");
+            const bool predicts =
+                lobes == "network" || (lobes == "auto" && off && why_no_network(*stack).empty());
+            if (predicts && off) {
+              const SpongecakeLobes found = predicted_lobes(*stack);
+              return std::make_unique<Spongecake>(*stack,
+                                                  spongecake_second_stack(*stack, found.factors),
+                                                  Rgb(1), found.reflect, found.transmit);
+            }
             return std::make_unique<Spongecake>(
                 *stack, spongecake_second_stack(*stack, factors), p.color("second_weight"),
                 p.color("lambert_reflect"), p.color("lambert_transmit"));

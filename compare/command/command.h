@@ -93,6 +93,15 @@ int eval_command(const Options& options, const std::vector<std::string>& words);
 /// `words`: the kind of grid to make and its key=value arguments; none: lists the kinds.
 int grid_command(const Options& options, const std::vector<std::string>& words);
 
+/// Options of `dataset` beside those that all commands share.
+struct DatasetOptions {
+  int layers = 1, directions = 8;
+  std::uint64_t stacks = 0;  ///< 0: as many as the paper's, 4000 of one layer, 12000 of more
+  std::string grid = "8x16";
+};
+/// Random SpongeCake stacks with their orders 2 and up, for training.
+int dataset_command(const Options& options, const DatasetOptions& asked);
+
 /// Options of the commands about closed forms, beside those that all commands share.
 struct ClosedFormOptions {
   std::vector<std::string> outgoing{};  ///< theta_o in degrees

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "compare/command/accuracy_commands.h"
 #include "compare/command/command.h"
 #include "compare/judge/accuracy_table.h"
 #include "compare/judge/coat_accuracy.h"
@@ -102,6 +103,14 @@ int accuracy_command(const Options& options) {
   answer["tolerance"] = options.tolerance;
   answer["quick"] = options.quick;
   const RunMonitor monitor = terminal_monitor(options);
+  if (options.spongecake) {
+    Json stacks = spongecake_accuracy(options, monitor, out);
+    answer["interrupted"] = user_interrupt.load();
+    answer["spongecake"] = std::move(stacks);
+    answer["rows"] = Json::array();
+    write_json(answer, options.json);
+    return kDone;
+  }
   if (options.coats) {
     Json coats = measured_coats(options, monitor, out);
     answer["interrupted"] = user_interrupt.load();

@@ -60,9 +60,6 @@ void check_stack(const Stack& stack) {
     throw UsageError(fmt::format(
         "fit: found stack \"{}\"; allowed: layers of SGGX mirror flakes or henyey_greenstein",
         stack.name));
-  if (stack.layers.size() > static_cast<std::size_t>(kSpongecakeLayers))
-    throw UsageError(fmt::format("fit: found stack \"{}\" of {} layers; allowed: up to {}",
-                                 stack.name, stack.layers.size(), kSpongecakeLayers));
 }
 
 // Options that only fits of models have a use for.
@@ -94,13 +91,15 @@ int fit_stack(const Options& options) {
   const std::vector<WalkSetting>& asked = request.given;
   if (std::find(asked.begin(), asked.end(), WalkSetting::walks) == asked.end()) {
     catch_interrupts();
-    SpongecakeTruth found = fit_spongecake_by_walks(
+    SpongecakeTruth found = fit_spongecake_to_truth(
         stack, {request.seed, request.limits, request.isa, &user_interrupt});
-    by = fmt::format("{} analog walks per direction, {}", found.walks,
-                     found.is_sharp   ? "whose noise is small beside what the lobes leave over"
-                     : user_interrupt ? "when it was interrupted"
-                     : found.is_late  ? "the most in 20 s (--walks for more)"
-                                      : "the most that are tried (--walks for more)");
+    by = found.walks == 0
+             ? std::string("by the solver")
+             : fmt::format("{} analog walks per direction, {}", found.walks,
+                           found.is_sharp ? "whose noise is small beside what the lobes leave over"
+                           : user_interrupt ? "when it was interrupted"
+                           : found.is_late  ? "the most in 20 s (--walks for more)"
+                                            : "the most that are tried (--walks for more)");
     runs = std::move(found.runs);
     fit = std::move(found.fit);
   } else {

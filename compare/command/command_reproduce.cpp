@@ -19,48 +19,60 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::vector<Reproduction> with_more(std::vector<Reproduction> list,
+                                    const std::vector<Reproduction>& more) {
+  list.insert(list.end(), more.begin(), more.end());
+  return list;
+}
+
 }  // namespace
 
 const std::vector<Reproduction>& reproductions() {
-  static const std::vector<Reproduction> list{
-      {"vmf_figure_5",
-       "successively smaller spheres in a slab of one thickness, for two packings: the error of "
-       "vmf_diffuse falls to that of the medium",
-       "d'Eon and Weidlich 2024, VMF Diffuse, figure 5", 400000, true, reproduce_vmf_figure_5},
-      {"vmf_figure_6",
-       "slices of the hemisphere, first and second bounce: a deep sphere bed, vmf_diffuse at r = "
-       "0.4, a Beckmann height field at alpha = 1.4",
-       "d'Eon and Weidlich 2024, VMF Diffuse, figure 6", 400000, true, reproduce_vmf_figure_6},
-      {"lambert_sphere_dilute",
-       "a deep bed of Lambertian spheres approaches the Lambert-sphere medium and its BRDF as the "
-       "volume fraction falls",
-       "d'Eon 2021, Lambert-sphere BRDF, figures 1 and 12", 1000000, true,
-       reproduce_lambert_sphere_dilute},
-      {"micrograin_figure_4", "distances to the closest grain, and the filling factor",
-       "Lucas et al. 2023, Micrograin BSDF, figure 4", 1000000, true,
-       reproduce_micrograin_figure_4},
-      {"micrograin_figure_5", "distribution of the grains' normals",
-       "Lucas et al. 2023, Micrograin BSDF, figure 5", 1000000, true,
-       reproduce_micrograin_figure_5},
-      {"micrograin_figure_9", "visible filling factor",
-       "Lucas et al. 2023, Micrograin BSDF, figure 9", 1000000, true,
-       reproduce_micrograin_figure_9},
-      {"vmf_figure_9",
-       "spheres of vMF flakes under a dielectric coat and bare, over the flakes' roughness: by the "
-       "solver, by walks and by closed forms",
-       "d'Eon and Weidlich 2024, VMF Diffuse, figure 9", 20000, false, reproduce_vmf_figure_9},
-      {"lambert_sphere_figure_13",
-       "a rough coat over Lambert's law, Lambert spheres (the medium and its BRDF) and "
-       "Henyey-Greenstein: by the solver, by walks and by closed forms",
-       "d'Eon 2021, Lambert-sphere BRDF, figure 13", 20000, false,
-       reproduce_lambert_sphere_figure_13},
-      {"spongecake_figure_14",
-       "a half space of SGGX mirrors in single scattering, doubled, against microfacets",
-       "Wang et al. 2022, SpongeCake, figure 14", 1, false, reproduce_spongecake_figure_14},
-      {"spongecake_figure_16",
-       "sheen: a layer of SGGX fibers that stand up against Conty and Kulla's facets",
-       "Wang et al. 2022, SpongeCake, figure 16", 1, false, reproduce_spongecake_figure_16},
-  };
+  static const std::vector<Reproduction> list = with_more(
+      {
+          {"vmf_figure_5",
+           "successively smaller spheres in a slab of one thickness, for two packings: the error "
+           "of "
+           "vmf_diffuse falls to that of the medium",
+           "d'Eon and Weidlich 2024, VMF Diffuse, figure 5", 400000, true, reproduce_vmf_figure_5},
+          {"vmf_figure_6",
+           "slices of the hemisphere, first and second bounce: a deep sphere bed, vmf_diffuse at r "
+           "= "
+           "0.4, a Beckmann height field at alpha = 1.4",
+           "d'Eon and Weidlich 2024, VMF Diffuse, figure 6", 400000, true, reproduce_vmf_figure_6},
+          {"lambert_sphere_dilute",
+           "a deep bed of Lambertian spheres approaches the Lambert-sphere medium and its BRDF as "
+           "the "
+           "volume fraction falls",
+           "d'Eon 2021, Lambert-sphere BRDF, figures 1 and 12", 1000000, true,
+           reproduce_lambert_sphere_dilute},
+          {"micrograin_figure_4", "distances to the closest grain, and the filling factor",
+           "Lucas et al. 2023, Micrograin BSDF, figure 4", 1000000, true,
+           reproduce_micrograin_figure_4},
+          {"micrograin_figure_5", "distribution of the grains' normals",
+           "Lucas et al. 2023, Micrograin BSDF, figure 5", 1000000, true,
+           reproduce_micrograin_figure_5},
+          {"micrograin_figure_9", "visible filling factor",
+           "Lucas et al. 2023, Micrograin BSDF, figure 9", 1000000, true,
+           reproduce_micrograin_figure_9},
+          {"vmf_figure_9",
+           "spheres of vMF flakes under a dielectric coat and bare, over the flakes' roughness: by "
+           "the "
+           "solver, by walks and by closed forms",
+           "d'Eon and Weidlich 2024, VMF Diffuse, figure 9", 20000, false, reproduce_vmf_figure_9},
+          {"lambert_sphere_figure_13",
+           "a rough coat over Lambert's law, Lambert spheres (the medium and its BRDF) and "
+           "Henyey-Greenstein: by the solver, by walks and by closed forms",
+           "d'Eon 2021, Lambert-sphere BRDF, figure 13", 20000, false,
+           reproduce_lambert_sphere_figure_13},
+          {"spongecake_figure_14",
+           "a half space of SGGX mirrors in single scattering, doubled, against microfacets",
+           "Wang et al. 2022, SpongeCake, figure 14", 1, false, reproduce_spongecake_figure_14},
+          {"spongecake_figure_16",
+           "sheen: a layer of SGGX fibers that stand up against Conty and Kulla's facets",
+           "Wang et al. 2022, SpongeCake, figure 16", 1, false, reproduce_spongecake_figure_16},
+      },
+      spongecake_lobe_figures());
   return list;
 }
 

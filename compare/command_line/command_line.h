@@ -24,6 +24,7 @@ struct CommandLine {
   CheckOptions checking{};
   TabulateOptions tabulate{};
   LibraryOptions library{};
+  DatasetOptions dataset{};
   std::string walks{};                         ///< as typed
   std::string word{};                          ///< the one argument of commands that take one word
   std::vector<std::string> pictures{};         ///< --pictures: names of formats

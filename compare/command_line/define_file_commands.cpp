@@ -148,6 +148,34 @@ void define_soak(CommandLine& line) {
   add_json(command, line);
 }
 
+void define_dataset(CommandLine& line) {
+  CLI::App& command =
+      line.add("dataset", "Random SpongeCake stacks with their multiple scattering, for training",
+               "lamella dataset --layers 1 --stacks 50 --walks 2048 -o spongecakes",
+               [&] { return dataset_command(line.options, line.dataset); });
+  command.add_option("--layers", line.dataset.layers, "Layers per stack (default 1)")
+      ->transform(whole_number(1, 4))
+      ->type_name("N");
+  command
+      .add_option("--stacks", line.dataset.stacks,
+                  "Stacks (default 4000 of one layer, 12000 of more, as the paper has)")
+      ->transform(whole_number(1, 1000000))
+      ->type_name("N");
+  command
+      .add_option("--directions", line.dataset.directions,
+                  "Incident directions per stack (default 8)")
+      ->transform(whole_number(1, 256))
+      ->type_name("N");
+  command.add_option("--grid", line.dataset.grid, "Cells per hemisphere MUxPHI (default 8x16)")
+      ->type_name("MUxPHI");
+  add_walks(command, line, "Walks per incident direction", 32768);
+  add_seed(command, line);
+  add_threads(command, line);
+  add_shard(command, line, "FOLDER",
+            "The folder of the set; the same command goes on where it was ended");
+  add_json(command, line);
+}
+
 void define_grid(CommandLine& line) {
   CLI::App& command = line.add("grid", "Makes a density grid; without KIND, what there is",
                                "lamella grid weave pitch=0.5 voxels=32 -o cloth.vdb",
@@ -252,6 +280,7 @@ void define_file_commands(CommandLine& line) {
   define_library(line);
   define_scaling(line);
   define_soak(line);
+  define_dataset(line);
   define_grid(line);
   define_reproduce(line);
   define_completion(line);

@@ -69,6 +69,10 @@ void define_accuracy(CommandLine& line) {
   command.add_flag("--coats", line.options.coats,
                    "Instead: every layering of a coat over Lambert's law, by index, roughness and "
                    "albedo of the base");
+  command.add_flag("--spongecake", line.options.spongecake,
+                   "Instead: SpongeCake's lobes of multiple scattering, none, of the network and "
+                   "fitted, on 500 random stacks (--quick: 16)");
+  add_walks(command, line, "Walks per incident direction of --spongecake", 65536);
   add_json(command, line);
 }
 

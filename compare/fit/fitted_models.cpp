@@ -18,8 +18,6 @@ namespace {
 std::string refusal(const Stack& stack) {
   if (!has_least_squares()) return "this build has no Ceres";
   if (!is_spongecake_stack(stack)) return "not a stack of SpongeCake's";
-  if (stack.layers.size() > static_cast<std::size_t>(kSpongecakeLayers))
-    return "more layers than are fitted";
   return {};
 }
 
@@ -37,31 +35,43 @@ ModelRequest with_fitted_lobes(ModelRequest request, const Stack& stack) {
     if (lobes.empty()) request.values.emplace_back("lobes", "given");
     return request;
   }
-  if (!lobes.empty() && lobes != "fitted") return request;
-  const auto set = [&](const std::string& key, const std::string& value,
-                       const std::string& source) {
+  const bool open = lobes.empty() || lobes == "auto";
+  if (!open && lobes != "fit" && lobes != "network") return request;
+  const std::string source = lobes.empty() ? "default" : "given";
+  const auto set = [&](const std::string& key, const std::string& value, const std::string& from) {
     std::erase_if(request.values, [&](const auto& v) { return v.first == key; });
     request.values.emplace_back(key, value);
-    request.sources[key] = source;
+    request.sources[key] = from;
   };
+  const auto take = [&](const std::string& text, const std::string& from) {
+    for (const auto& [key, value] : parse_model_request(text).values) set(key, value, from);
+    set("lobes", from, source);
+    return request;
+  };
+  const std::string no_network = why_no_network(stack);
+  if (no_network.empty() && (open || lobes == "network"))
+    return take(lobes_request(stack, predicted_lobes(stack)), "network");
+  if (lobes == "network")
+    throw UsageError(fmt::format(
+        "spongecake: key \"lobes\": found \"network\" for {}: {}; allowed: fit, none, auto, or the "
+        "keys of the lobes",
+        stack.name, no_network));
   std::string why_not = refusal(stack);
   if (why_not.empty()) {
     try {
-      const SpongecakeTruth fitted = fit_spongecake_by_walks(stack, {});
-      for (const auto& [key, value] : parse_model_request(fitted.fit.request).values)
-        set(key, value, "fitted");
-      set("lobes", "fitted", lobes.empty() ? "default" : "given");
+      request = take(fit_spongecake_to_truth(stack, {}).fit.request, "fit");
+      request.sources["lobes"] = fmt::format("{}; no network: {}", source, no_network);
       return request;
     } catch (const std::invalid_argument& error) {
       why_not = error.what();
     }
   }
-  if (!lobes.empty())
+  if (!open)
     throw UsageError(fmt::format(
-        "spongecake: key \"lobes\": found \"fitted\" for {}: {}; allowed: none, or the keys of the "
+        "spongecake: key \"lobes\": found \"fit\" for {}: {}; allowed: none, or the keys of the "
         "lobes",
         stack.name, why_not));
-  set("lobes", "none", "not fitted: " + why_not);
+  set("lobes", "none", fmt::format("not fitted: {}; no network: {}", why_not, no_network));
   return request;
 }
 

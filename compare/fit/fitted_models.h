@@ -6,9 +6,10 @@
 
 namespace lamella {
 
-/// SpongeCake's further lobes, where the request leaves them open (lobes = fitted, the default, and
-/// none of their own keys given): those that `lamella fit` finds for the stack. Where there is
-/// nothing to fit, or it cannot be done, lobes = none, and `sources` says why. Other models'
+/// SpongeCake's further lobes, where the request leaves them open (no key of theirs, lobes = auto,
+/// the default, network or fit): those that the network predicts or that `lamella fit` finds, as
+/// keys. With auto, `sources` says which, and why not the network; where nothing can be fitted,
+/// lobes = none. Throws UsageError where network or fit was asked for and cannot be. Other models'
 /// requests stay as they are.
 [[nodiscard]] ModelRequest with_fitted_lobes(ModelRequest request, const Stack& stack);
 

@@ -1,9 +1,8 @@
-// Stands in for least_squares.cpp, bounded_least_squares.cpp, sampler_fit.cpp and
-// spongecake_fit.cpp where there is no Ceres.
+// Stands in for least_squares.cpp, bounded_least_squares.cpp and sampler_fit.cpp where there is no
+// Ceres.
 #include "compare/fit/bounded_least_squares.h"
 #include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"
-#include "compare/fit/spongecake_fit.h"
 
 namespace lamella {
 namespace {
@@ -18,8 +17,6 @@ namespace {
 
 bool has_least_squares() { return false; }
 void require_least_squares() { refuse(); }
-
-SpongecakeFit fit_spongecake(const Stack&, const std::vector<RunResult>&) { refuse(); }
 
 SamplingLobeTable fit_sampling_lobes(const std::function<std::unique_ptr<Model>(double)>&, int,
                                      int) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/fit/two_lobe_fit.h"
 #include "phase/stack/stack.h"
 #include "volume/result/run_result.h"
 
@@ -20,6 +21,7 @@ struct SpongecakeResidue {
 };
 
 struct SpongecakeFit {
+  SpongecakeLobes lobes;
   std::string request;  ///< "spongecake,key=value,...", as --model takes it
   std::vector<SpongecakeResidue> residues;
   double relative_rmse = 0, noise = 0;  ///< over all directions and sides
@@ -27,11 +29,11 @@ struct SpongecakeFit {
   int iterations = 0;
 };
 
-/// The best that SpongeCake's two further lobes can do on a stack: nonlinear least squares over the
-/// cells of orders 2 and up, all runs and sides at once, cells being of equal projected solid
-/// angle. Free are the second lobe's roughness and depth factors per layer, the albedo factors of
-/// the layers after the first per channel, its weight, and the constant lobes. From two starts, the
-/// better one. The stack must be SpongeCake's, of at most kSpongecakeLayers layers.
+/// The lobes as --model takes them: "spongecake,key=value,...".
+[[nodiscard]] std::string lobes_request(const Stack& stack, const SpongecakeLobes& lobes);
+
+/// The best that SpongeCake's two further lobes can do on a stack (fit_two_lobes): over the cells
+/// of orders 2 and up, all runs, sides and channels at once. The stack must be SpongeCake's.
 [[nodiscard]] SpongecakeFit fit_spongecake(const Stack& stack, const std::vector<RunResult>& runs);
 
 }  // namespace lamella

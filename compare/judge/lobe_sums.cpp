@@ -33,10 +33,12 @@ BatchSums lobe_sums(const Simulation& simulation, bool up, int order, const Cell
   for (const BatchTally& batch : simulation.batches()) {
     out.walks.push_back(static_cast<double>(batch.walks));
     std::vector<double> row(groups.count);
-    const bool summed = order == kTallyOrders || order == place(Order::scattered);
-    const int slots =
-        order == place(Order::scattered) ? kTallyOrders : simulation.plan().order_slots();
-    for (int o = 0; o < slots; ++o) {
+    const bool multiple = order == place(Order::multiple);
+    const bool summed = order == kTallyOrders || order == place(Order::scattered) || multiple;
+    const int slots = order == place(Order::scattered) || multiple
+                          ? kTallyOrders
+                          : simulation.plan().order_slots();
+    for (int o = multiple ? place(Order::two) : 0; o < slots; ++o) {
       if (!summed && o != (order == place(Order::zero) ? kZeroSlot : order)) continue;
       for (int c = 0; c < channels; ++c)
         for (int cell = 0; cell < cells; ++cell)

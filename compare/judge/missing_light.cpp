@@ -40,7 +40,7 @@ bool is_cut(const RunResult& run, Order order) {
   if (run.is_bounded()) return false;
   if (order == Order::zero) return false;
   if (order != Order::all && order != Order::scattered && order != Order::four_plus &&
-      static_cast<std::uint64_t>(order) + 1 <= run.max_order)
+      order != Order::multiple && static_cast<std::uint64_t>(order) + 1 <= run.max_order)
     return false;
   for (int c = 0; c < run.channels; ++c)
     if (run.unresolved[c].value > 0) return true;

@@ -46,7 +46,7 @@ std::vector<Order> judged_orders(const ModelInfo& info) {
   std::vector<Order> orders;
   for (const LobeInfo& lobe : info.lobes) {
     if (lobe.order == Order::all || lobe.order == Order::four_plus ||
-        lobe.order == Order::scattered)
+        lobe.order == Order::scattered || lobe.order == Order::multiple)
       return {Order::all};
     if (std::find(orders.begin(), orders.end(), lobe.order) == orders.end())
       orders.push_back(lobe.order);

@@ -14,7 +14,7 @@
 namespace lamella {
 namespace {
 
-constexpr std::array<const char*, kTallyOrders + 3> kNames{"1", "2", "3", "4+", "all", "0", "1+"};
+constexpr std::array<const char*, kLobeOrders> kNames{"1", "2", "3", "4+", "all", "0", "1+", "2+"};
 
 // A block of the k-th direction as a lobe; empty where the set has none.
 LobeEstimate lobe_of(const LobeSet& set, const std::string& side, const std::string& name,

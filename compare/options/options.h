@@ -30,6 +30,7 @@ struct Options {
   std::string isa = "auto";
   bool quiet = false, strict = false, as_is = false, quick = false;
   bool coats = false;  ///< of accuracy: the layerings of a coat alone
+  bool spongecake = false;  ///< of accuracy: SpongeCake's further lobes alone
   std::string json{}, html{}, output{};
   std::vector<std::string> only{};         ///< parts of bench; empty: all
   std::optional<double> solver_seconds{};  ///< of bench: for each of the solver's rows

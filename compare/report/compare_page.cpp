@@ -40,7 +40,7 @@ std::string base64_floats(const std::vector<double>& values) {
 Json compare_page_details(const std::vector<RunResult>& runs,
                           const std::vector<std::vector<LobeComparison>>& models) {
   static const Order orders[] = {Order::one, Order::two,  Order::three,    Order::four_plus,
-                                 Order::all, Order::zero, Order::scattered};
+                                 Order::all, Order::zero, Order::scattered, Order::multiple};
   const CellGrid& grid = runs.front().grid;
   Json directions = Json::array(), truth = Json::object(), list = Json::array();
   for (std::size_t k = 0; k < runs.size(); ++k) {

@@ -142,6 +142,9 @@ Json side_json(const SideResult& side, int channels) {
   return {{"total", values_of(side.total, channels)},
           {"standard_error", errors_of(side.total, channels)},
           {"specular", values_of(side.specular, channels)},
+          {"multiple",
+           {{"total", values_of(side.multiple, channels)},
+            {"standard_error", errors_of(side.multiple, channels)}}},
           {"orders", std::move(orders)}};
 }
 

@@ -61,6 +61,8 @@ void add_energies(LobeSet& set, const std::vector<RunResult>& runs) {
     for (int o = 0; o < kTallyOrders; ++o)
       add_energy(set, runs, side, to_text(static_cast<Order>(o)),
                  [&](const RunResult& r) { return of(r).orders[o]; });
+    add_energy(set, runs, side, to_text(Order::multiple),
+               [&](const RunResult& r) { return of(r).multiple; });
     add_energy(set, runs, side, "0", [&](const RunResult& r) { return of(r).zero; });
     add_energy(set, runs, side, "specular", [&](const RunResult& r) { return of(r).specular; });
   }

@@ -16,7 +16,8 @@ namespace lamella {
 /// are not known.
 struct LobeBlock {
   std::string side;  ///< "reflect" or "transmit"; empty where an energy has none
-  std::string name;  ///< "1", "2", "3", "4+", "all", "0", "1+"; of energies "specular", ..., too
+  /// "1", "2", "3", "4+", "all", "0", "1+", "2+"; of energies "specular", ..., too
+  std::string name;
   std::vector<double> value, standard_error;
 };
 

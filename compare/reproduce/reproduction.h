@@ -54,4 +54,7 @@ nlohmann::ordered_json reproduce_lambert_sphere_figure_13(ReproductionContext& c
 nlohmann::ordered_json reproduce_spongecake_figure_14(ReproductionContext& context);
 nlohmann::ordered_json reproduce_spongecake_figure_16(ReproductionContext& context);
 
+/// Lobes of multiple scattering: truth, network, fit.
+[[nodiscard]] const std::vector<Reproduction>& spongecake_lobe_figures();
+
 }  // namespace lamella

@@ -1,5 +1,6 @@
 #include "phase/stack/single_scattering.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -29,9 +30,10 @@ class PerLayer {
   double* data_ = few_.data();
 };
 
-}  // namespace
-
-SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo) {
+// take(k, g, s): layer k has the light g albedo (f0 + (1 - f0) s). Returns what passes all layers
+// twice.
+template <class Take>
+double visit_layers(const Stack& stack, Direction wi, Direction wo, const Take& take) {
   if (stack.has_grid()) refuse_grid(stack, "single scattering in closed form");
   stack.require_layers("single scattering");
   wi = with_grazing_limit(wi);
@@ -39,8 +41,7 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
   const bool reflects = (wi.z < 0) == (wo.z < 0);
   const bool from_above = wi.z > 0;
   const double mi = std::abs(wi.z), mo = std::abs(wo.z);
-  SingleScattering result;
-  if (!reflects && !stack.is_open_below()) return result;
+  if (!reflects && !stack.is_open_below()) return 0;
 
   const int n = static_cast<int>(stack.layers.size());
   PerLayer areas_i(n), areas_o(n);
@@ -81,16 +82,32 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
       }
       if (transport > 0) {
         const PhaseValue p = phase(layer.medium, wi, wo);
-        result.layers += transport * std::exp(-outside) * p.density *
-                         (layer.albedo * schlick(layer.f0, p.schlick));
+        take(k, transport * std::exp(-outside) * p.density, p.schlick);
       }
     }
     tau_i += xi;
     tau_o += xo;
   }
-  if (stack.substrate && reflects && from_above)
-    result.substrate = lambert_radiance(std::exp(-tau_i - tau_o)) * stack.substrate->albedo;
+  return reflects && from_above ? std::exp(-tau_i - tau_o) : 0;
+}
+
+}  // namespace
+
+SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo) {
+  SingleScattering result;
+  const double twice = visit_layers(stack, wi, wo, [&](int k, double g, double s) {
+    const Layer& layer = stack.layers[k];
+    result.layers += g * (layer.albedo * schlick(layer.f0, s));
+  });
+  if (stack.substrate && twice > 0)
+    result.substrate = lambert_radiance(twice) * stack.substrate->albedo;
   return result;
+}
+
+void single_scattering_by_layer(const Stack& stack, Direction wi, Direction wo,
+                                std::span<LayerSingle> layers) {
+  std::fill(layers.begin(), layers.end(), LayerSingle{});
+  visit_layers(stack, wi, wo, [&](int k, double g, double s) { layers[k] = {g, g * s}; });
 }
 
 }  // namespace lamella

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "phase/stack/stack.h"
 
 namespace lamella {
@@ -25,5 +27,14 @@ struct SingleScattering {
 /// the mirror image of delta flakes are not included. Relative error below 1e-12, where p is a
 /// closed form, for depths from 0 to infinity.
 [[nodiscard]] SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo);
+
+/// What one event in a layer gives at albedo 1 [1/sr]: of flakes without a Fresnel factor (f0 = 1),
+/// and the part that is left at f0 = 0. At albedo a and f0: a (f0 full + (1 - f0) edge).
+struct LayerSingle {
+  double full = 0, edge = 0;
+};
+/// The layers' parts of single_scattering apart, into `layers`, one per layer of the stack.
+void single_scattering_by_layer(const Stack& stack, Direction wi, Direction wo,
+                                std::span<LayerSingle> layers);
 
 }  // namespace lamella

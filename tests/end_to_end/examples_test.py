@@ -6,7 +6,8 @@ from lamella_program import LIMIT, PROGRAM, WITH_CERES, ProgramTest
 
 COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "check", "fit", "invert", "eval", "tabulate", "bench", "sweep", "samples",
             "preview", "show", "rerun", "completion", "man", "explain", "models", "media", "stacks",
-            "grid", "export", "import", "merge", "library", "scaling", "soak", "homogenise", "measure", "reproduce", "accuracy"]
+            "grid", "export", "import", "merge", "library", "scaling", "soak", "homogenise", "measure", "reproduce", "accuracy",
+            "dataset"]
 
 
 class ExamplesOfHelpWorkAsPrinted(ProgramTest):

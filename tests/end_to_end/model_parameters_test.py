@@ -85,10 +85,18 @@ class Spongecake(ProgramTest):
     def test_is_fitted_unless_asked_not_to_be(self):
         answer = self.json_of("compare", "sggx_slab", *SHORT, "--quiet", "--model", "spongecake",
                               "--model", "spongecake,lobes=none", "--model", "single_scattering",
-                              "--model", "spongecake,lambert_reflect=0.1")
-        fitted, none, single, given = answer["models"]
-        self.assertEqual(fitted["parameters"]["lobes"], "fitted")
-        self.assertEqual(fitted["parameter_sources"]["second_weight"], "fitted")
+                              "--model", "spongecake,lambert_reflect=0.1", "--model", "spongecake,lobes=fit")
+        network, none, single, given, fitted = answer["models"]
+        self.assertEqual(network["parameters"]["lobes"], "network")
+        self.assertEqual(network["parameter_sources"]["second_weight"], "network")
+        self.assertLess(self.all_orders(network), 0.5 * self.all_orders(none))
+        self.assertEqual(fitted["parameters"]["lobes"], "fit")
+        self.assertEqual(fitted["parameter_sources"]["second_weight"], "fit")
+        # Orders 2 and up by themselves: nothing stands for them without lobes.
+        self.assertEqual([l["order"] for l in none["lobes"] if l["side"] == "reflect"], ["1", "all", "2+"])
+        for lobe in none["lobes"]:
+            if lobe["order"] == "2+":
+                self.assertAlmostEqual(lobe["relative_rmse_without_noise"], 1, places=3)
         self.assertLess(self.all_orders(fitted), 0.5 * self.all_orders(none))
         self.assertAlmostEqual(self.all_orders(none), self.all_orders(single), places=12)
         self.assertEqual((given["parameters"]["lobes"], given["parameters"]["second_weight"]),
@@ -97,10 +105,10 @@ class Spongecake(ProgramTest):
     def test_fit_writes_what_model_reads(self):
         fit = self.json_of("fit", "sggx_slab", "--quiet", "-o", "fit.txt")
         answer = self.json_of("compare", "sggx_slab", *SHORT, "--quiet", "--model", "@fit.txt",
-                              "--model", fit["model"], "--model", "spongecake")
+                              "--model", fit["model"], "--model", "spongecake,lobes=fit")
         from_file, given, default = (m["parameters"] for m in answer["models"])
         self.assertEqual(from_file, given)
-        # By default it is what fit finds.
+        # By the key it is what fit finds.
         self.assertEqual({**default, "lobes": "given"}, from_file)
 
     def test_a_file_that_holds_no_model_is_refused(self):

@@ -147,7 +147,7 @@ class EveryOption(ProgramTest):
             if command in ("eval", "tabulate", "invert", "grid", "check"):  # take key=value
                 self.refused(command, *words[:1], "nonsense", *words[2:] if command == "eval" else [],
                              *(["--pairs", "pairs.csv"] if command == "eval" else []), parts=['"nonsense"'])
-            elif command in ("accuracy", "bench", "samplers", "man", "soak"):
+            elif command in ("accuracy", "bench", "samplers", "man", "soak", "dataset"):
                 self.refused(command, "nonsense", parts=['"nonsense"'])
             else:
                 self.refused(command, *(words or ["sggx_slab"]), "nonsense", parts=['"nonsense"'])

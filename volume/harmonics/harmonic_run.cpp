@@ -332,6 +332,12 @@ class Refinement {
       for (int order = 0; order < 4; ++order)
         side.orders[order][c] =
             of([&](const HarmonicEnergies& e) { return (up ? e.up : e.down)[order]; });
+      side.multiple[c] = of([&](const HarmonicEnergies& e) {
+        const auto& orders = up ? e.up : e.down;
+        double sum = 0;
+        for (std::size_t order = 1; order < orders.size(); ++order) sum += orders[order];
+        return sum;
+      });
       side.total[c] = of([&](const HarmonicEnergies& e) {
         double sum = 0;
         for (const double x : up ? e.up : e.down) sum += x;
@@ -342,7 +348,8 @@ class Refinement {
 
   void fill_lobes(SideResult& side, std::size_t i, bool up) const {
     const int cells = grid_.cells();
-    for (int lobe = 0; lobe <= kTallyOrders; ++lobe) {
+    for (int lobe = 0; lobe < kLobeOrders; ++lobe) {
+      if (lobe == place(Order::zero) || lobe == place(Order::scattered)) continue;
       side.lobes[lobe].value.assign(static_cast<std::size_t>(plan_.channels) * cells, 0);
       side.lobes[lobe].standard_error = side.lobes[lobe].value;
     }
@@ -363,6 +370,8 @@ class Refinement {
         }
         side.lobes[Order::all].value[at] = all;
         side.lobes[Order::all].standard_error[at] = error;
+        side.lobes[Order::multiple].value[at] = all - first.value[c];
+        side.lobes[Order::multiple].standard_error[at] = error - first.error[c];
       }
   }
 

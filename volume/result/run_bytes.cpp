@@ -41,6 +41,7 @@ struct Members {
     all(side.specular);
     all(side.zero);
     all(side.orders);
+    all(side.multiple);
     all(side.lobes);
   }
   void of(CellGrid& grid) {

@@ -25,6 +25,7 @@ struct SideResult {
   std::array<Estimate, 3> specular{};  ///< the part of `total` that met deltas only
   std::array<Estimate, 3> zero{};      ///< of order 0: interfaces alone, `uncollided` apart
   std::array<std::array<Estimate, 3>, kTallyOrders> orders{};
+  std::array<Estimate, 3> multiple{};  ///< of orders 2 and up together
   /// Those of order 0 and of orders 1 and up only where a rough interface makes a lobe of order 0.
   /// Empty if light cannot leave here. Deltas are in none.
   OrderMap<LobeEstimate> lobes{};

@@ -226,6 +226,11 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
       for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
       return sum;
     });
+    side.multiple[c] = batch_estimate(batches, [&](const BatchTally& b) {
+      double sum = 0;
+      for (int o = place(Order::two); o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
+      return sum;
+    });
     side.zero[c] = batch_estimate(batches, [&](const BatchTally& b) { return zero_of(b)[c]; });
     side.specular[c] = batch_estimate(batches, [&](const BatchTally& b) {
       return (up ? b.energy.specular_up : b.energy.specular_down)[c];
@@ -234,7 +239,8 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
   if (!up && !targets.both_sides) return side;
   const int slots = simulation.plan().order_slots();
   for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
-    if (o > kTallyOrders && !simulation.plan().rough_boundaries) continue;
+    const bool of_interfaces = o == place(Order::zero) || o == place(Order::scattered);
+    if (of_interfaces && !simulation.plan().rough_boundaries) continue;
     LobeEstimate& lobe = side.lobes[o];
     lobe.value.resize(static_cast<std::size_t>(channels) * cells);
     lobe.standard_error.resize(lobe.value.size());
@@ -248,8 +254,9 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
           if (o < kTallyOrders) return b.f[slot(o)];
           if (o == place(Order::zero)) return b.f[slot(kZeroSlot)];
           double sum = 0;
-          const int end = o == place(Order::scattered) ? kTallyOrders : slots;
-          for (int order = 0; order < end; ++order) sum += b.f[slot(order)];
+          const int begin = o == place(Order::multiple) ? place(Order::two) : 0;
+          const int end = o == place(Order::all) ? slots : kTallyOrders;
+          for (int order = begin; order < end; ++order) sum += b.f[slot(order)];
           return sum;
         });
         lobe.value[static_cast<std::size_t>(c) * cells + cell] = e.value;

@@ -60,7 +60,9 @@ struct Assembly {
     const std::size_t cells = grid.cells();
     for (LobeEstimate& lobe : side.lobes) {
       // Lobes of order 0 and of orders 1 and up: only where a rough boundary makes one of order 0.
-      if (&lobe >= &side.lobes[Order::zero] && is_first_closed(solution.stack())) continue;
+      const bool of_interfaces =
+          &lobe == &side.lobes[Order::zero] || &lobe == &side.lobes[Order::scattered];
+      if (of_interfaces && is_first_closed(solution.stack())) continue;
       lobe.value.assign(channels * cells, 0);
       lobe.standard_error.assign(channels * cells, 0);
     }
@@ -101,12 +103,16 @@ struct Assembly {
             for (int m = 0; m < modes; ++m) f += (m == 0 ? 1 : 2) * mode[m] * cosines(column, m);
             return f;
           };
+          double multiple = 0;
           for (int order = 0; order < kModeOrders; ++order) {
             const double f = sum_of(means.mode[order]);
             side.lobes[order + 1].value[k] = f;
             side.lobes[order + 1].standard_error[k] = means.error;
-            all += f;
+            multiple += f;
           }
+          all += multiple;
+          side.lobes[Order::multiple].value[k] = multiple;
+          side.lobes[Order::multiple].standard_error[k] = means.error;
           if (is_rough) {
             const double first = sum_of(means.mode[kFirstInModes]);
             const double rest = sum_of(means.mode[kZeroInModes]);
@@ -159,6 +165,11 @@ struct Assembly {
       };
       for (int o = 0; o < kTallyOrders; ++o)
         side.orders[o][c] = energy(on_nodes.orders[o][c], beam(o), side, o, c);
+      side.multiple[c] = {};
+      for (int o = place(Order::two); o < kTallyOrders; ++o) {
+        side.multiple[c].value += side.orders[o][c].value;
+        side.multiple[c].standard_error += side.orders[o][c].standard_error;
+      }
       side.total[c] =
           energy(on_nodes.orders[kTallyOrders][c], beam(kTallyOrders), side, kTallyOrders, c);
       side.zero[c] = energy(on_nodes.zero[c], beam(kTallyOrders + 1), side, place(Order::zero), c);

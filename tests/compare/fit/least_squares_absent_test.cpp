@@ -4,7 +4,6 @@
 #include "compare/fit/bounded_least_squares.h"
 #include "compare/fit/least_squares.h"
 #include "compare/fit/sampler_fit.h"
-#include "compare/fit/spongecake_fit.h"
 
 namespace lamella {
 namespace {
@@ -24,7 +23,6 @@ void expect_refusal(const F& fit) {
 TEST(FitsWithoutCeres, AreRefusedWithOneLineThatSaysSo) {
   EXPECT_FALSE(has_least_squares());
   expect_refusal([] { require_least_squares(); });
-  expect_refusal([] { (void)fit_spongecake(Stack{}, {}); });
   expect_refusal(
       [] { (void)fit_sampling_lobes([](double) { return std::unique_ptr<Model>(); }, 2, 2); });
   expect_refusal([] { (void)to_initializers({}); });

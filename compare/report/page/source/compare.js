@@ -8,7 +8,7 @@ import {heading} from "./heading.js";
 import {previews} from "./previews.js";
 import {stackDrawing} from "./stack.js";
 
-const allOrders = ["0", "1", "2", "3", "4+", "1+", "all"];
+const allOrders = ["0", "1", "2", "3", "4+", "1+", "2+", "all"];
 const orderText = (o) => o === "all" ? "all orders" : `order ${o}`;
 const sideText = {reflect: "reflected", transmit: "transmitted"};
 const ledgerSide = {reflect: "reflected", transmit: "transmitted"};

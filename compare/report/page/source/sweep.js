@@ -6,7 +6,7 @@ import {heading} from "./heading.js";
 import {heatMap} from "./heat.js";
 import {stackDrawing} from "./stack.js";
 
-const orders = ["0", "1", "2", "3", "4+", "1+", "all"];
+const orders = ["0", "1", "2", "3", "4+", "1+", "2+", "all"];
 const marks = {agrees: "✓", differs: "✗", insufficient: "?", pass: "✓", fail: "✗", inconclusive: "?"};
 const words = {reflect: "reflected", transmit: "transmitted"};
 

@@ -1,0 +1,266 @@
+#include "compare/fit/two_lobe_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "compare/fit/bounded_least_squares.h"
+#include "compare/fit/nonnegative_least_squares.h"
+#include "phase/stack/single_scattering.h"
+
+namespace lamella {
+namespace {
+
+constexpr double kLargestFactor = 1e3;
+// Narrower flakes than this are narrower than a cell.
+constexpr double kLeastRoughness = 0.02, kMostRoughness = 0.999, kLargestG = 0.98;
+constexpr int kIterations = 40;
+constexpr double kTolerance = 1e-6;
+
+// Layers with factors of their own, or the last of them with all that share its factors.
+struct Group {
+  int first = 0, end = 0;
+  bool flakes = false;     // one layer of flakes, whose f0 is free
+  bool particles = false;  // roughness is g
+  double own = 0;          // roughness or g; 0: not free
+  bool deep = false;       // whether the depth is free
+  [[nodiscard]] int columns() const { return flakes ? 2 : 1; }
+};
+
+std::vector<Group> groups_of(const Stack& stack) {
+  const int layers = static_cast<int>(stack.layers.size());
+  std::vector<Group> groups;
+  for (int k = 0; k < std::min(layers, kSpongecakeLayers); ++k) {
+    Group g{.first = k, .end = k + 1 < kSpongecakeLayers ? k + 1 : layers};
+    const Layer& layer = stack.layers[k];
+    g.particles = std::holds_alternative<HenyeyGreenstein>(layer.medium);
+    g.flakes = !g.particles && g.end == k + 1;
+    const char* key = g.particles ? "g" : "roughness";
+    bool alike = layer.parameters.has(key);
+    for (int j = g.first; j < g.end; ++j) {
+      const Layer& other = stack.layers[j];
+      alike = alike && other.medium_name == layer.medium_name && other.parameters.has(key) &&
+              other.parameters.number(key) == layer.parameters.number(key);
+      g.deep = g.deep || (std::isfinite(other.depth()) && other.depth() > 0);
+    }
+    if (alike) g.own = layer.parameters.number(key);
+    groups.push_back(g);
+  }
+  return groups;
+}
+
+// A number of the search, scaled to [0, 1].
+struct Scale {
+  double from, to;
+  bool logarithmic;
+  [[nodiscard]] double value(double x) const {
+    return logarithmic ? from * std::pow(to / from, x) : from + x * (to - from);
+  }
+  [[nodiscard]] double place(double v) const {
+    const double x =
+        logarithmic ? std::log(v / from) / std::log(to / from) : (v - from) / (to - from);
+    return std::clamp(x, 0.0, 1.0);
+  }
+};
+
+class Search {
+ public:
+  Search(const Stack& stack, const std::vector<LobeCell>& cells, int channels)
+      : stack_(stack), cells_(cells), channels_(channels), groups_(groups_of(stack)) {
+    for (const Group& g : groups_) {
+      columns_ += g.columns();
+      if (g.own != 0)
+        scales_.push_back(g.particles ? Scale{-kLargestG, kLargestG, false}
+                                      : Scale{kLeastRoughness, kMostRoughness, true});
+      if (g.deep) scales_.push_back({1 / kLargestFactor, kLargestFactor, true});
+    }
+    if (stack.is_open_below()) constants_ = 2;
+    columns_ += constants_;
+    for (const LobeCell& cell : cells)
+      for (int c = 0; c < channels; ++c) square_ += cell.truth[c] * cell.truth[c];
+    if (!(square_ > 0)) throw std::invalid_argument("the stack has no multiple scattering to fit");
+  }
+
+  [[nodiscard]] TwoLobeFit find() const {
+    TwoLobeFit fit;
+    double least = std::numeric_limits<double>::infinity();
+    std::vector<double> best;
+    const UnitProblem problem{
+        .parameters = static_cast<int>(scales_.size()),
+        .residuals = static_cast<int>(cells_.size()) * channels_,
+        .evaluate = [this](std::span<const double> x, std::span<double> residuals) {
+          return residuals_at(x, residuals);
+        }};
+    std::vector<double> residuals(problem.residuals);
+    for (const bool rough : {false, true}) {
+      std::vector<double> x = start(rough);
+      double cost = 0;
+      if (x.empty()) {
+        (void)residuals_at(x, residuals);
+        for (const double r : residuals) cost += 0.5 * r * r;
+      } else {
+        UnitMinimum found = minimum_from(problem, x, {kIterations, kTolerance, {}});
+        fit.iterations += found.iterations;
+        cost = found.cost;
+        x = std::move(found.x);
+      }
+      if (cost >= least) continue;
+      least = cost;
+      best = std::move(x);
+    }
+    fit.lobes = lobes_at(best);
+    fit.relative_rmse = std::sqrt(2 * least);
+    return fit;
+  }
+
+ private:
+  [[nodiscard]] std::vector<double> start(bool rough) const {
+    std::vector<double> x;
+    for (const Group& g : groups_) {
+      if (g.own != 0) {
+        const double at = g.particles ? (rough ? 0.3 : 0.9) * g.own
+                          : rough     ? 0.9
+                                      : std::min(1.3 * g.own, 0.95);
+        x.push_back(scales_[x.size()].place(at));
+      }
+      if (g.deep) x.push_back(0.5);
+    }
+    return x;
+  }
+
+  [[nodiscard]] std::vector<SpongecakeFactors> shape_at(std::span<const double> x) const {
+    std::vector<SpongecakeFactors> factors(groups_.size());
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < groups_.size(); ++k) {
+      if (groups_[k].own != 0) {
+        factors[k].roughness = scales_[at].value(x[at]) / groups_[k].own;
+        ++at;
+      }
+      if (groups_[k].deep) {
+        factors[k].depth = scales_[at].value(x[at]);
+        ++at;
+      }
+    }
+    return factors;
+  }
+
+  // [cell][column], of channel c.
+  void fill_columns(const Stack& second, int c, std::vector<double>& columns) const {
+    std::vector<LayerSingle> layers(second.layers.size());
+    columns.assign(cells_.size() * columns_, 0);
+    for (std::size_t n = 0; n < cells_.size(); ++n) {
+      double* row = &columns[n * columns_];
+      for (const Direction wo : cells_[n].wo) {
+        single_scattering_by_layer(second, cells_[n].wi, wo, layers);
+        int at = 0;
+        for (const Group& g : groups_) {
+          for (int k = g.first; k < g.end; ++k) {
+            const Layer& own = stack_.layers[k];
+            const double f0 = own.f0[c], a = 0.25 * own.albedo[c];
+            if (!g.flakes) {
+              row[at] += a * (f0 * layers[k].full + (1 - f0) * layers[k].edge);
+            } else {
+              if (f0 > 0) row[at] += a * layers[k].full;
+              row[at + 1] += a * layers[k].edge;
+            }
+          }
+          at += g.columns();
+        }
+      }
+      row[columns_ - constants_ + (cells_[n].reflected ? 0 : 1)] = 1 / kPi;
+    }
+  }
+
+  // The columns' coefficients of every channel; what they leave over, if asked for.
+  std::vector<std::vector<double>> coefficients(const std::vector<SpongecakeFactors>& factors,
+                                                std::span<double> residuals) const {
+    const Stack second = spongecake_second_stack(stack_, factors);
+    std::vector<std::vector<double>> found;
+    std::vector<double> columns;
+    const double scale = 1 / std::sqrt(square_);
+    for (int c = 0; c < channels_; ++c) {
+      if (c == 0 || !same_columns()) fill_columns(second, c, columns);
+      NormalEquations equations(columns_);
+      for (std::size_t n = 0; n < cells_.size(); ++n)
+        equations.add({&columns[n * columns_], static_cast<std::size_t>(columns_)},
+                      cells_[n].truth[c]);
+      found.push_back(nonnegative_solution(equations));
+      for (std::size_t n = 0; n < cells_.size() && !residuals.empty(); ++n) {
+        double f = 0;
+        for (int k = 0; k < columns_; ++k) f += columns[n * columns_ + k] * found.back()[k];
+        residuals[n * channels_ + c] = scale * (f - cells_[n].truth[c]);
+      }
+    }
+    return found;
+  }
+
+  bool residuals_at(std::span<const double> x, std::span<double> residuals) const {
+    (void)coefficients(shape_at(x), residuals);
+    return std::all_of(residuals.begin(), residuals.end(),
+                       [](double r) { return std::isfinite(r); });
+  }
+
+  // Whether the columns of all channels are the same.
+  [[nodiscard]] bool same_columns() const {
+    return std::all_of(stack_.layers.begin(), stack_.layers.end(),
+                       [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); });
+  }
+
+  [[nodiscard]] SpongecakeLobes lobes_at(std::span<const double> x) const {
+    SpongecakeLobes lobes{.factors = shape_at(x), .reflect = {}, .transmit = {}};
+    const std::vector<std::vector<double>> found = coefficients(lobes.factors, {});
+    for (int c = 0; c < 3; ++c) {
+      const std::vector<double>& at = found[channels_ == 3 ? c : 0];
+      int column = 0;
+      for (std::size_t k = 0; k < groups_.size(); ++k) {
+        const double full = at[column];
+        double sum = full;
+        if (groups_[k].flakes) {
+          const double f0 = stack_.layers[groups_[k].first].f0[c];
+          sum += at[column + 1];
+          if (f0 > 0 && sum > 0) lobes.factors[k].f0[c] = full / sum / f0;
+        }
+        lobes.factors[k].albedo[c] = sum;
+        column += groups_[k].columns();
+      }
+      lobes.reflect[c] = at[column];
+      if (constants_ == 2) lobes.transmit[c] = at[column + 1];
+    }
+    return lobes;
+  }
+
+  const Stack& stack_;
+  const std::vector<LobeCell>& cells_;
+  int channels_;
+  std::vector<Group> groups_;
+  std::vector<Scale> scales_;
+  int columns_ = 0, constants_ = 1;
+  double square_ = 0;
+};
+
+}  // namespace
+
+std::array<Direction, 4> cell_nodes(Direction wi, int row, int column, int mu_cells, int phi_cells,
+                                    bool up) {
+  const double node[2] = {0.5 - std::sqrt(3.0) / 6, 0.5 + std::sqrt(3.0) / 6};
+  std::array<Direction, 4> nodes;
+  for (int n = 0; n < 4; ++n) {
+    const double mu2 = 1 - (row + node[n / 2]) / mu_cells;
+    const double phi = 2 * kPi * (column + node[n % 2]) / phi_cells;
+    nodes[n] = direction_from_mu_phi((up ? 1 : -1) * std::sqrt(mu2), azimuth(wi) + phi);
+  }
+  return nodes;
+}
+
+Rgb value_of(const Stack& second, const SpongecakeLobes& lobes, const LobeCell& cell) {
+  Rgb sum;
+  for (const Direction wo : cell.wo) sum += single_scattering(second, cell.wi, wo).layers;
+  return 0.25 * sum + 1 / kPi * (cell.reflected ? lobes.reflect : lobes.transmit);
+}
+
+TwoLobeFit fit_two_lobes(const Stack& stack, const std::vector<LobeCell>& cells, int channels) {
+  return Search(stack, cells, channels).find();
+}
+
+}  // namespace lamella

@@ -1,0 +1,157 @@
+#include "compare/fit/two_lobe_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "compare/ensemble/stack_ensemble.h"
+#include "compare/fit/least_squares.h"
+#include "compare/fit/nonnegative_least_squares.h"
+#include "phase/random/random.h"
+
+namespace lamella {
+namespace {
+
+// Solutions over every set of unknowns, by Gauss's elimination.
+double least_by_trying(const std::vector<std::vector<double>>& rows, const std::vector<double>& b) {
+  const int n = static_cast<int>(rows.front().size());
+  double best = 0;
+  for (const double v : b) best += v * v;
+  for (int set = 1; set < (1 << n); ++set) {
+    std::vector<int> at;
+    for (int k = 0; k < n; ++k)
+      if (set >> k & 1) at.push_back(k);
+    const int m = static_cast<int>(at.size());
+    std::vector<std::vector<double>> a(m, std::vector<double>(m + 1));
+    for (int i = 0; i < m; ++i) {
+      for (int j = 0; j < m; ++j)
+        for (const auto& row : rows) a[i][j] += row[at[i]] * row[at[j]];
+      for (std::size_t r = 0; r < rows.size(); ++r) a[i][m] += rows[r][at[i]] * b[r];
+    }
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < m; ++j) {
+        if (i == j) continue;
+        const double factor = a[j][i] / a[i][i];
+        for (int k = i; k <= m; ++k) a[j][k] -= factor * a[i][k];
+      }
+    bool positive = true;
+    std::vector<double> x(n);
+    for (int i = 0; i < m; ++i) {
+      x[at[i]] = a[i][m] / a[i][i];
+      positive = positive && x[at[i]] >= 0;
+    }
+    if (!positive) continue;
+    double sum = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      double f = -b[r];
+      for (int k = 0; k < n; ++k) f += rows[r][k] * x[k];
+      sum += f * f;
+    }
+    best = std::min(best, sum);
+  }
+  return best;
+}
+
+TEST(NonnegativeLeastSquares, IsTheBestOfAllActiveSets) {
+  RandomStream stream(1, 0, StreamPurpose::test);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int n = 1 + trial % 5;
+    std::vector<std::vector<double>> rows;
+    std::vector<double> b;
+    NormalEquations equations(n);
+    for (int r = 0; r < 12; ++r) {
+      std::vector<double> row;
+      for (int k = 0; k < n; ++k) row.push_back(stream.uniform() - (trial % 3 == 0 ? 0.5 : 0));
+      b.push_back(stream.uniform() - 0.3);
+      equations.add(row, b.back());
+      rows.push_back(std::move(row));
+    }
+    const std::vector<double> x = nonnegative_solution(equations);
+    double sum = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      double f = -b[r];
+      for (int k = 0; k < n; ++k) f += rows[r][k] * x[k];
+      sum += f * f;
+    }
+    for (const double v : x) EXPECT_GE(v, 0);
+    EXPECT_NEAR(sum, least_by_trying(rows, b), 1e-9);
+  }
+}
+
+TEST(NonnegativeLeastSquares, LeavesOutColumnsThatSayNothing) {
+  NormalEquations equations(3);
+  for (const double v : {1.0, 2.0, 3.0}) equations.add(std::vector<double>{v, v, 0}, 2 * v);
+  const std::vector<double> x = nonnegative_solution(equations);
+  EXPECT_NEAR(x[0] + x[1], 2, 1e-12);
+  EXPECT_EQ(x[2], 0);
+}
+
+std::vector<LobeCell> cells_of(const Stack& stack, const SpongecakeLobes& lobes) {
+  const Stack second = spongecake_second_stack(stack, lobes.factors);
+  std::vector<LobeCell> cells;
+  for (const double theta : {10.0, 50.0, 75.0})
+    for (const bool reflected : {true, false})
+      for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 8; ++column) {
+          LobeCell cell{.wi = direction_from_degrees(theta, 2 * theta), .reflected = reflected};
+          cell.wo = cell_nodes(cell.wi, row, column, 4, 8, reflected);
+          cell.truth = value_of(second, lobes, cell);
+          cells.push_back(cell);
+        }
+  return cells;
+}
+
+class TwoLobeFits : public ::testing::Test {
+  void SetUp() override {
+    if (!has_least_squares()) GTEST_SKIP() << "built without Ceres";
+  }
+};
+
+// Lobes of the form itself are found again, colour in one go.
+TEST_F(TwoLobeFits, FindLobesOfTheirOwnForm) {
+  const Layer top = flake_layer(true, 0.4, {1, 0, 0}, {0.9, 0.7, 0.4}, {0.6, 0.8, 0.3}, 0.7);
+  const Layer bottom = flake_layer(false, 0.6, {0, 0, 1}, {0.5, 0.8, 0.9}, Rgb(1), 2);
+  for (const bool two : {false, true}) {
+    Stack stack{.name = "own", .layers = {top}, .substrate = {}};
+    SpongecakeLobes lobes{.factors = {{.roughness = 1.5,
+                                       .depth = 1.4,
+                                       .albedo = {0.8, 0.5, 0.2},
+                                       .f0 = {0.5, 0.9, 1.2}}},
+                          .reflect = {0.02, 0.01, 0.03},
+                          .transmit = {0.01, 0.02, 0.005}};
+    if (two) {
+      stack.layers.push_back(bottom);
+      lobes.factors.push_back({.roughness = 1.2, .depth = 0.8, .albedo = {0.4, 0.6, 0.7}});
+    }
+    const std::vector<LobeCell> cells = cells_of(stack, lobes);
+    const TwoLobeFit fit = fit_two_lobes(stack, cells, 3);
+    EXPECT_LT(fit.relative_rmse, two ? 5e-3 : 1e-4);
+    if (two) continue;  // of two layers other lobes may be as near
+    EXPECT_NEAR(fit.lobes.factors[0].roughness, 1.5, 5e-3);
+    EXPECT_NEAR(fit.lobes.factors[0].depth, 1.4, 5e-3);
+    EXPECT_NEAR(fit.lobes.reflect.g, 0.01, 1e-4);
+    EXPECT_NEAR(fit.lobes.transmit.r, 0.01, 1e-4);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(fit.lobes.factors[0].albedo[c], lobes.factors[0].albedo[c], 5e-3);
+      EXPECT_NEAR(fit.lobes.factors[0].f0[c], lobes.factors[0].f0[c], 2e-2);
+    }
+  }
+}
+
+TEST_F(TwoLobeFits, TakeAnyNumberOfLayers) {
+  Stack stack{.name = "many", .layers = {}, .substrate = {}};
+  for (int k = 0; k < kSpongecakeLayers + 3; ++k)
+    stack.layers.push_back(flake_layer(
+        k % 2 == 0, 0.5, k % 2 ? Direction{0, 0, 1} : Direction{1, 0, 0}, Rgb(0.8), Rgb(1), 0.2));
+  // The last factors are those of four layers of one roughness and other kinds.
+  SpongecakeLobes lobes{.factors = std::vector<SpongecakeFactors>(
+                            kSpongecakeLayers, {.roughness = 1.3, .albedo = Rgb(0.5)}),
+                        .reflect = Rgb(0.01),
+                        .transmit = Rgb(0.02)};
+  const TwoLobeFit fit = fit_two_lobes(stack, cells_of(stack, lobes), 1);
+  EXPECT_EQ(fit.lobes.factors.size(), static_cast<std::size_t>(kSpongecakeLayers));
+  EXPECT_LT(fit.relative_rmse, 0.02);
+}
+
+}  // namespace
+}  // namespace lamella
