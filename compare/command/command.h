@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "compare/judge/model_check.h"
+#include "compare/library/library_check.h"
 #include "compare/options/options.h"
 #include "compare/request/run_monitor.h"
 
@@ -136,6 +138,10 @@ struct CheckAnswer {
                                        const Options& options, const CheckOptions& checking,
                                        const RunMonitor& monitor,
                                        const std::vector<CheckLine>& further = {});
+/// What of a library a check is held against; nothing without --library. Throws UsageError for what
+/// has no use without it.
+[[nodiscard]] std::optional<LibraryUse> library_use(const Options& options,
+                                                    const CheckOptions& checking);
 /// The battery of checks of a model. `words`: the model and its key=value arguments.
 int check_command(const Options& options, const CheckOptions& checking,
                   const std::vector<std::string>& words);

@@ -5,7 +5,6 @@
 #include "analytic/catalogue/model_plugin.h"
 #include "compare/command/command.h"
 #include "compare/judge/model_configurations.h"
-#include "compare/library/library_check.h"
 #include "compare/options/progress.h"
 #include "compare/report/check_report.h"
 #include "compare/report/json_report.h"
@@ -43,24 +42,6 @@ ModelRequest request_of(const std::vector<std::string>& words) {
   return request;
 }
 
-// A line per entry of the library that the model claims.
-std::vector<CheckLine> library_lines(const ModelRequest& request, const Options& options,
-                                     const CheckOptions& checking, const RunMonitor& monitor) {
-  if (checking.library.empty()) {
-    if (!checking.entries.empty() || options.max_error)
-      throw UsageError("--entry and --max-error: found no --library; allowed: beside it");
-    return {};
-  }
-  const LibraryIndex index = read_index(checking.library);
-  std::vector<CheckLine> lines;
-  for (const LibraryClaim& claim : library_claims(request, index, checking.entries)) {
-    if (monitor.is_stopped()) break;
-    lines.push_back(
-        check_on_entry(claim, checking.library, options.max_error.value_or(kLibraryMaxError)));
-  }
-  return lines;
-}
-
 }  // namespace
 
 CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
@@ -96,6 +77,15 @@ CheckAnswer check_answer(const ModelInfo& info, const std::string& request,
   return {std::move(answer), std::move(text)};
 }
 
+std::optional<LibraryUse> library_use(const Options& options, const CheckOptions& checking) {
+  if (!checking.library.empty())
+    return LibraryUse{checking.library, checking.entries,
+                      options.max_error.value_or(kLibraryMaxError)};
+  if (!checking.entries.empty() || options.max_error)
+    throw UsageError("--entry and --max-error: found no --library; allowed: beside it");
+  return std::nullopt;
+}
+
 int check_command(const Options& options, const CheckOptions& checking,
                   const std::vector<std::string>& words) {
   ModelRequest request = request_of(words);
@@ -112,7 +102,9 @@ int check_command(const Options& options, const CheckOptions& checking,
                                    {}}
                     : checking;
   const RunMonitor monitor = terminal_monitor(options);
-  const std::vector<CheckLine> on_library = library_lines(request, options, checking, monitor);
+  std::vector<CheckLine> on_library;
+  if (const auto use = library_use(options, checking))
+    on_library = check_on_library(request, *use, monitor);
   auto [answer, text] = check_answer(
       info, to_request(request),
       configurations_to_check(info, request, stack, effort.configurations, options.seed), options,

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "compare/command/command.h"
+#include "compare/command/fit_folder.h"
 #include "compare/command/fit_target_source.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/folder_lock.h"
@@ -11,9 +12,7 @@
 #include "compare/fit/least_squares.h"
 #include "compare/nearest/nearest_models.h"
 #include "compare/options/progress.h"
-#include "compare/report/comparison_report.h"
 #include "compare/report/json_report.h"
-#include "compare/report/report_page.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 
@@ -47,22 +46,9 @@ int fit_models_command(const Options& options, const ClosedFormOptions& closed,
   const std::string summary = fit_summary(target, nearest);
   if (!options.quiet) fmt::print(table_stream(options), "{}", summary);
   if (!options.output.empty()) {
-    const std::string& folder = options.output;
     const std::vector<BoundModel> bound = bound_models(nearest);
-    const StackComparison comparison = compare_with(target, bound);
-    (void)write_comparison_files(folder, target.request, comparison, formats, inputs);
-    nlohmann::ordered_json report = comparison_json(target.request, comparison);
-    add_files(report, inputs);
-    write_json(report, folder + "/report.json");
-    write_json(answer, folder + "/fit.json");
-    write_file(folder + "/summary.txt",
-               summary + "\n" + comparison_summary(target.request, comparison));
-    write_report_page(folder + "/report.html",
-                      target.request.stack.name + ": the nearest closed forms", report,
-                      comparison_details(comparison));
-    if (!options.quiet)
-      fmt::print(table_stream(options), "\nwrote {}/: report.html to look at, fit.json\n{}", folder,
-                 absent_pictures_text());
+    write_fit_folder(options, {target, compare_with(target, bound), inputs, formats}, answer,
+                     summary, "the nearest closed forms");
   }
   write_json(answer, options.json);
   return kDone;

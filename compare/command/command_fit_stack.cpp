@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "compare/command/command.h"
+#include "compare/command/fit_folder.h"
 #include "compare/command/fit_target_source.h"
+#include "compare/command/picture_options.h"
+#include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/nearest/stack_fit.h"
 #include "compare/options/progress.h"
@@ -16,14 +20,11 @@ namespace lamella {
 
 int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
                       const std::vector<std::string>& pictures) {
-  if (!pictures.empty())
-    throw UsageError("--pictures: found beside --stack; allowed: with --model");
-  const bool to_file = !options.output.empty();
-  if (to_file && !options.output.ends_with(".toml"))
-    throw UsageError(
-        fmt::format("-o: found \"{}\" for the fitted stack; allowed: a name that ends "
-                    "in .toml",
-                    options.output));
+  const bool to_file = options.output.ends_with(".toml"),
+             to_folder = !options.output.empty() && !to_file;
+  if (!pictures.empty() && !to_folder)
+    throw UsageError("--pictures: found no folder beside it; allowed: with -o FOLDER");
+  const std::vector<PictureFormat> formats = picture_formats_of(pictures);
   if (to_file) check_output_file(options.output);
   if (options.stack == "-" && closed.stack == "-")
     throw UsageError("--stack: found - twice; allowed: stdin for one stack");
@@ -39,6 +40,11 @@ int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
     of_target.estimator = Options{}.estimator;
   }
   const TargetTruths target = target_of(of_target, source, monitor);
+  std::optional<FolderLock> lock;
+  if (to_folder) {
+    make_output_folder(options.output);
+    lock.emplace(options.output);
+  }
   Options how = options;
   how.incident.clear();
   const NearestModels nearest = nearest_stack(
@@ -50,10 +56,19 @@ int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
   of_stack.check();
   nlohmann::ordered_json answer = fit_json(target, nearest);
   add_files(answer, inputs);
-  if (!options.quiet) fmt::print(table_stream(options), "{}", fit_summary(target, nearest));
+  const std::string summary = fit_summary(target, nearest);
+  if (!options.quiet) fmt::print(table_stream(options), "{}", summary);
+  const ModelFit& fit = nearest.fits.front();
   if (to_file) {
-    write_file(options.output, nearest.fits.front().stack);
+    write_file(options.output, fit.stack);
     if (!options.quiet) fmt::print(table_stream(options), "\nwrote {}\n", options.output);
+  }
+  if (to_folder) {
+    ModelInfo info;
+    const BoundModel model = fitted_stack_model(fit, info);
+    write_file(options.output + "/stack.toml", fit.stack);
+    write_fit_folder(options, {target, compare_with_stack(target, fit, model), inputs, formats},
+                     answer, summary, "the nearest stack");
   }
   write_json(answer, options.json);
   return kDone;

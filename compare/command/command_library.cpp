@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "compare/command/command.h"
 #include "compare/library/library_build.h"
@@ -27,23 +29,55 @@ ReferenceEffort effort_of(const Options& options, const LibraryOptions& library)
   return effort;
 }
 
-// "adding-doubling, bound 2.7e-07" or "analog, 4000000 walks, energies within 3.1e-04".
+// "adding-doubling     2.7e-07", with * where that is not the tolerance, or "analog +- 3.1e-04".
 std::string method_text(const ReferenceMethod& method) {
-  if (!method.is_bounded())
-    return fmt::format("{}, {} walks, +- {:.1e}", method.name, method.walks, method.error);
-  return fmt::format("{}, bound {:.1e}", method.name, method.error);
+  if (!method.is_bounded()) return fmt::format("{:<15} +- {:.1e} ", method.name, method.error);
+  return fmt::format("{:<15}    {:.1e}{}", method.name, method.error, method.reached() ? " " : "*");
 }
 
+std::uint64_t bytes_of(const LibraryEntry& entry) {
+  std::uint64_t bytes = 0;
+  for (const EntryFile& file : entry.files) bytes += file.bytes;
+  return bytes;
+}
+
+// A row of 99 columns at most.
 std::string entry_text(const LibraryEntry& entry) {
-  return fmt::format("{:<28} {:<8} lobes: {}\n{:<37} points: {}; {:.1f} s\n", entry.name,
-                     entry.group, method_text(entry.lobes), "", method_text(entry.points),
-                     entry.seconds);
+  return fmt::format("{:<26} {}  {}  {:>4.0f} kB {:>6.1f} s\n", entry.name,
+                     method_text(entry.lobes), method_text(entry.points),
+                     static_cast<double>(bytes_of(entry)) * 1e-3, entry.seconds);
+}
+
+constexpr char kColumns[] =
+    "                           lobes                        points                          size  "
+    "   "
+    "time\n";
+constexpr char kLegend[] =
+    "of lobes the bound relative to the mean over the azimuth, of walks (+-) the largest relative\n"
+    "standard error of an energy; of points the largest error relative to f; *: the time ended "
+    "the\n"
+    "solver before its tolerance\n";
+
+// How many entries each method has.
+std::string methods_text(const std::vector<const LibraryEntry*>& entries,
+                         ReferenceMethod LibraryEntry::*of) {
+  std::map<std::string, std::pair<int, int>> counts;  // all, and those within the tolerance
+  for (const LibraryEntry* entry : entries) {
+    const ReferenceMethod& method = entry->*of;
+    ++counts[method.name].first;
+    counts[method.name].second += method.is_bounded() && method.reached();
+  }
+  std::string text;
+  for (const auto& [name, count] : counts)
+    text += fmt::format(
+        "{}{} by {}{}", text.empty() ? "" : ", ", count.first, name,
+        count.second ? fmt::format(" ({} within the tolerance)", count.second) : std::string());
+  return text;
 }
 
 std::uint64_t bytes_of(const LibraryIndex& index) {
   std::uint64_t bytes = 0;
-  for (const LibraryEntry& entry : index.entries)
-    for (const EntryFile& file : entry.files) bytes += file.bytes;
+  for (const LibraryEntry& entry : index.entries) bytes += bytes_of(entry);
   return bytes;
 }
 
@@ -72,8 +106,8 @@ int build(const Options& options, const LibraryOptions& library, Json& answer) {
       .folder = library.folder, .only = library.only, .effort = effort_of(options, library)};
   if (!options.quiet)
     build.done = [&](const LibraryEntry& entry, std::size_t number, std::size_t of, bool kept) {
-      fmt::print(out, "{:>2} of {}  {}{}", number, of, entry_text(entry),
-                 kept ? "          (was there)\n" : "");
+      fmt::print(out, "{:>2} of {}{}\n{}", number, of, kept ? " (was there)" : "",
+                 entry_text(entry));
       std::fflush(out);
     };
   const LibraryBuildResult result = build_library(build, monitor);
@@ -81,6 +115,9 @@ int build(const Options& options, const LibraryOptions& library, Json& answer) {
     fmt::print(out, "wrote {}/: {} entries found, {} were there; {:.1f} MB in all\n{}",
                library.folder, result.found, result.kept, static_cast<double>(result.bytes) * 1e-6,
                result.interrupted ? "interrupted: the same command goes on\n" : "");
+  for (const std::string& refused : result.refused)
+    if (!options.quiet) fmt::print(out, "{}", wrapped("left out: ", refused));
+  answer["refused"] = result.refused;
   answer["found"] = result.found;
   answer["kept"] = result.kept;
   answer["interrupted"] = result.interrupted;
@@ -131,7 +168,11 @@ int show(const Options& options, const LibraryOptions& library, Json& answer) {
   const std::vector<const LibraryEntry*> chosen = chosen_of(index, library.only);
   if (!options.quiet) {
     std::FILE* out = table_stream(options);
+    fmt::print(out, "{}", kColumns);
+    std::string group;
     for (const LibraryEntry* entry : chosen) {
+      if (library.only.empty() && entry->group != group) fmt::print(out, "{}\n", entry->group);
+      group = entry->group;
       fmt::print(out, "{}", entry_text(*entry));
       if (library.only.empty()) continue;
       fmt::print(out, "{}", wrapped("  ", fmt::format("{} ({})", entry->about, entry->source)));
@@ -141,6 +182,9 @@ int show(const Options& options, const LibraryOptions& library, Json& answer) {
         fmt::print(out, "  {}  {} ({} bytes)\n", file.sha256, file.name, file.bytes);
       fmt::print(out, "\n{}\n", entry->stack);
     }
+    fmt::print(out, "{}{}{}", kLegend,
+               wrapped("", "lobes: " + methods_text(chosen, &LibraryEntry::lobes)),
+               wrapped("", "points: " + methods_text(chosen, &LibraryEntry::points)));
     fmt::print(out, "{}/: {} entries, {:.1f} MB\n", library.folder, index.entries.size(),
                static_cast<double>(bytes_of(index)) * 1e-6);
   }

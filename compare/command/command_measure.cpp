@@ -2,6 +2,8 @@
 
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
+#include "compare/fit/least_squares.h"
+#include "compare/nearest/grain_fit.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
@@ -121,6 +123,9 @@ int measure_command(const Options& options) {
         "measure: found the stack \"{}\" of media; allowed: explicit geometry (sphere_bed, "
         "packed_sphere_bed, micrograins), whose medium is to be found",
         stack.name));
+  if (!options.fit && (!options.incident.empty() || options.grid != Options{}.grid))
+    throw UsageError("measure: found --wi or --grid without --fit; allowed: beside it");
+  if (options.fit) require_least_squares();
   if (!options.output.empty()) check_output_file(options.output);
   const GrainMeasurement m =
       measure_grains(*stack.grains(), options.seed, kRealisations,
@@ -131,11 +136,19 @@ int measure_command(const Options& options) {
   answer["measured"] = to_json(m, stack.grains()->is_bed());
   std::string text, reason;
   try {
-    const Stack medium = equivalent_stack(stack, m, equivalent_of(options.medium));
+    Stack medium = equivalent_stack(stack, m, equivalent_of(options.medium));
+    if (options.fit) {
+      const RunMonitor monitor = terminal_monitor(options);
+      const GrainFit fit = fit_grains(request, medium, monitor);
+      if (monitor.finished) monitor.finished();
+      if (!options.quiet) fmt::print(out, "\n{}", grain_fit_table(fit));
+      answer["fit"] = grain_fit_json(fit);
+      medium = parse_stack(fit.medium.fits.front().stack, "equivalent", medium.name);
+    }
     text = to_toml(medium);
     answer["equivalent"] = to_json(medium);
   } catch (const std::invalid_argument& error) {
-    if (!options.output.empty() || options.medium_given)
+    if (!options.output.empty() || options.medium_given || options.fit)
       throw UsageError(fmt::format("measure: {}", error.what()));
     reason = error.what();
   }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "compare/command/command.h"
+#include "compare/command/divided_run.h"
 #include "compare/command/sample_command.h"
 #include "compare/distribute/sweep_points.h"
 #include "compare/exchange/lobe_archive.h"
@@ -12,6 +13,7 @@
 #include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/options/run_settings.h"
+#include "compare/ranks/rank_tasks.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
 #include "compare/report/lobe_set.h"
@@ -148,7 +150,10 @@ std::string values_text(const DesignedStack& stack) {
 }  // namespace
 
 int sample_set_command(const Options& options, const std::vector<std::string>& names) {
-  const RunMonitor monitor = monitor_of_stacks(terminal_monitor(options));
+  Ranks* const ranks = started_ranks();
+  if (ranks) refuse_shard_of_ranks(options);
+  const RunMonitor monitor =
+      monitor_of_stacks(ranks ? monitor_of_rank(options, *ranks) : terminal_monitor(options));
   if (options.output.empty() || options.output.ends_with(".npz") ||
       options.output.ends_with(".part"))
     throw UsageError(
@@ -168,25 +173,47 @@ int sample_set_command(const Options& options, const std::vector<std::string>& n
   else
     settings["stacks"].push_back(
         to_toml(load_stack(names.empty() ? std::string(kDefaultStack) : names[0])));
+  const auto make = [&](std::size_t k, const fs::path& file) {
+    // Noise of one stack tells nothing of another's.
+    Options of_stack = options;
+    of_stack.seed = options.seed + k;
+    const Stack stack = parsed(stacks[k]);
+    MadeFile made = options.lobes ? lobes_file(of_stack, stack, file, monitor)
+                                  : walks_file(of_stack, stack, file, monitor);
+    made.about["seed"] = of_stack.seed;
+    return made;
+  };
+  const RankTask find = [&](std::uint64_t k) {
+    const fs::path folder = options.output;
+    const MadeFile made = make(k, folder / set_file_name(stacks[k]));
+    return made.whole ? set_entry(folder, k, stacks[k], made).dump() : std::string();
+  };
+  if (ranks) {
+    Json request = settings;
+    request["folder"] = options.output;
+    agree_by_ranks(request, *ranks);
+  }
+  if (ranks && ranks->rank() != 0) {
+    work_on_tasks(*ranks, find, monitor.stop);
+    return kDone;
+  }
   SampleSet set(options.output, settings, stacks, part);
   std::FILE* out = table_stream(options);
-  set.make(
-      [&](std::size_t k, const fs::path& file) {
-        // Noise of one stack tells nothing of another's.
-        Options of_stack = options;
-        of_stack.seed = options.seed + k;
-        const Stack stack = parsed(stacks[k]);
-        MadeFile made = options.lobes ? lobes_file(of_stack, stack, file, monitor)
-                                      : walks_file(of_stack, stack, file, monitor);
-        made.about["seed"] = of_stack.seed;
-        return made;
-      },
-      [&](std::size_t k, const Json&, bool was_there) {
-        if (!options.quiet)
-          fmt::print(out, "{} of {}: {}{}\n", k + 1, stacks.size(), values_text(stacks[k]),
-                     was_there ? " (was there)" : "");
-      },
-      [&] { return monitor.is_stopped(); });
+  const auto tell = [&](std::size_t k, const Json&, bool was_there) {
+    if (!options.quiet)
+      fmt::print(out, "{} of {}: {}{}\n", k + 1, stacks.size(), values_text(stacks[k]),
+                 was_there ? " (was there)" : "");
+  };
+  if (ranks) {
+    const auto keep = [&](std::uint64_t k, const std::string& found) {
+      if (found.empty()) return;  // it was interrupted
+      set.keep(k, Json::parse(found));
+      tell(k, {}, false);
+    };
+    (void)serve_tasks(*ranks, set.missing(), find, keep, monitor.stop);
+  } else {
+    set.make(make, tell, [&] { return monitor.is_stopped(); });
+  }
   Json header = json_header("samples", options.seed, isa_of(options));
   header["content"] = options.lobes ? "lobes" : "walks";
   header["folder"] = options.output;

@@ -86,8 +86,7 @@ void find_samples(const DividedRun& run, const RunMonitor& monitor) {
 int samples_run(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
   const SampleRequest request = sample_request(options, run.stack);
-  if (options.output.empty())
-    throw UsageError("-o: found nothing; allowed: FILE.npz to write");
+  if (options.output.empty()) throw UsageError("-o: found nothing; allowed: FILE.npz to write");
   if (!options.output.ends_with(".npz") && !std::filesystem::exists(options.output))
     throw UsageError(fmt::format(
         "-o: found \"{}\"; allowed: a name that ends in .npz, or a folder with --per-bsdf",
@@ -131,11 +130,16 @@ int samples_run(const DividedRun& run, const RunMonitor& monitor) {
   return kDone;
 }
 
+int ranked_samples(const DividedRun& run, const RunMonitor& monitor, Ranks& ranks) {
+  return samples_by_ranks(sample_request(run.options, run.stack), monitor, ranks,
+                          [&](const RunMonitor& writing) { return samples_run(run, writing); });
+}
+
 }  // namespace
 
 const DividedCommand& samples_divided() {
-  static const DividedCommand command{"samples", "FILE.npz", check_samples, find_samples,
-                                      samples_run};
+  static const DividedCommand command{"samples",    "FILE.npz",  check_samples,
+                                      find_samples, samples_run, ranked_samples};
   return command;
 }
 

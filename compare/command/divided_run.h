@@ -58,6 +58,14 @@ int do_divided(const DividedCommand& command, const DividedRun& run);
 /// exit status on rank 0, and 0 on the others once rank 0 is done.
 int do_by_ranks(const DividedCommand& command, const DividedRun& run, Ranks& ranks);
 
+/// Holds what all ranks were asked for against each other, and the programs that they are: where
+/// they differ rank 0 throws UsageError, which names rank and difference, and the others wait.
+void agree_by_ranks(const nlohmann::ordered_json& request, Ranks& ranks);
+/// Throws UsageError.
+void refuse_shard_of_ranks(const Options& options);
+/// Of the terminal on rank 0, silent on the others; stopped where mpirun ends the ranks.
+[[nodiscard]] RunMonitor monitor_of_rank(const Options& options, const Ranks& ranks);
+
 /// What numbers depend on: equal for all parts of a run.
 [[nodiscard]] nlohmann::ordered_json identity_of(const DividedRun& run, const InputFiles& inputs);
 

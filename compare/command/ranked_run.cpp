@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gnu/libc-version.h>
 
 #include <algorithm>
 #include <csignal>
@@ -22,32 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr char kGoOn[] = "go on";
 
-// What all ranks were asked for must be the same.
-void agree(const DividedRun& run, const InputFiles& inputs, Ranks& ranks) {
-  const std::string own = content_hash(identity_of(run, inputs).dump() + LAMELLA_VERSION);
-  if (ranks.rank() != 0) {
-    ranks.send(0, own);
-    (void)ranks.receive();
-    return;
-  }
-  for (int k = 1; k < ranks.count(); ++k) {
-    const RankMessage message = ranks.receive();
-    if (message.bytes != own)
-      throw UsageError(fmt::format(
-          "rank {}: found another run than that of rank 0: its command, its files, its version of "
-          "lamella or what --isa auto stands for there; allowed: the same for all (--isa NAME)",
-          message.from));
-  }
-  for (int k = 1; k < ranks.count(); ++k) ranks.send(k, kGoOn);
-}
-
-void refuse_what_ranks_cannot(const DividedRun& run) {
-  const Options& options = run.options;
-  if (!options.shard.empty())
-    throw UsageError(
-        "--shard: found it under mpirun, whose ranks are the parts; allowed: one of "
-        "the two");
-}
+using Json = nlohmann::ordered_json;
 
 std::string checkpoint_of(const Options& options, const Shard& shard) {
   if (options.checkpoint.empty()) return {};
@@ -107,10 +83,55 @@ int do_parts(const DividedCommand& command, const DividedRun& run, const RunMoni
   return status;
 }
 
+Json told_by_rank(const DividedRun& run) {
+  const InputFiles inputs(run.stack, objects_among(model_requests(run.options)));
+  Json told{{"command", run.command}};
+  told.update(identity_of(run, inputs));
+  return told;
+}
+
 }  // namespace
 
+void agree_by_ranks(const Json& request, Ranks& ranks) {
+  // The C library's sines are not the same in every version.
+  Json own{{"version", LAMELLA_VERSION},
+           {"program file", content_hash_of_file("/proc/self/exe")},
+           {"C library", gnu_get_libc_version()}};
+  own.update(request);
+  if (ranks.rank() != 0) {
+    ranks.send(0, own.dump());
+    (void)ranks.receive();
+    return;
+  }
+  for (int k = 1; k < ranks.count(); ++k) {
+    const RankMessage message = ranks.receive();
+    const Json other = Json::parse(message.bytes, nullptr, false);
+    if (other != own)
+      throw UsageError(
+          fmt::format("rank {}: found another run than that of rank 0: {}; allowed: the same "
+                      "command, files and program for all (on unlike machines --isa NAME)",
+                      message.from, difference_of_settings(other, own)));
+  }
+  for (int k = 1; k < ranks.count(); ++k) ranks.send(k, kGoOn);
+}
+
+void refuse_shard_of_ranks(const Options& options) {
+  if (!options.shard.empty())
+    throw UsageError(
+        "--shard: found it under mpirun, whose ranks are the parts; allowed: one of "
+        "the two");
+}
+
+RunMonitor monitor_of_rank(const Options& options, const Ranks& ranks) {
+  RunMonitor monitor = terminal_monitor(options);
+  // mpirun ends ranks by this one where another has died, or at Ctrl-C.
+  std::signal(SIGTERM, [](int) { user_interrupt = true; });
+  if (ranks.rank() != 0) monitor = {.stop = monitor.stop};
+  return monitor;
+}
+
 int do_by_ranks(const DividedCommand& command, const DividedRun& run, Ranks& ranks) {
-  refuse_what_ranks_cannot(run);
+  refuse_shard_of_ranks(run.options);
   try {
     command.check(run);
   } catch (const UsageError& error) {
@@ -119,12 +140,8 @@ int do_by_ranks(const DividedCommand& command, const DividedRun& run, Ranks& ran
     constexpr std::string_view kShard = "--shard: ";
     throw UsageError(text.starts_with(kShard) ? "mpirun: " + text.substr(kShard.size()) : text);
   }
-  const InputFiles inputs(run.stack);
-  RunMonitor monitor = terminal_monitor(run.options);
-  // mpirun ends ranks by this one where another has died, or at Ctrl-C.
-  std::signal(SIGTERM, [](int) { user_interrupt = true; });
-  if (ranks.rank() != 0) monitor = {.stop = monitor.stop};
-  agree(run, inputs, ranks);
+  const RunMonitor monitor = monitor_of_rank(run.options, ranks);
+  agree_by_ranks(told_by_rank(run), ranks);
   return command.by_ranks ? command.by_ranks(run, monitor, ranks)
                           : do_parts(command, run, monitor, ranks);
 }

@@ -63,13 +63,15 @@ std::string in_our_words(const std::string& text) {
 }
 
 // Which commands ranks can share.
-void check_ranks(const std::string& command, const Options& options, bool sweep_parameters) {
-  constexpr std::array kShared{"simulate", "compare", "furnace", "sweep", "eval"};
+void check_ranks(const std::string& command, const Options& options, bool sweep_parameters,
+                 const std::vector<std::string>& words) {
+  constexpr std::array kShared{"simulate", "compare", "furnace", "sweep", "eval", "samples"};
   if (std::find(kShared.begin(), kShared.end(), command) == kShared.end() || sweep_parameters)
     throw UsageError(
         fmt::format("mpirun: found the command {}{}, which ranks cannot share; allowed: {}",
                     command, sweep_parameters ? " --sweep" : "", fmt::join(kShared, ", ")));
-  if (options.stack == "-" || options.pairs == "-")
+  if (options.stack == "-" || options.pairs == "-" ||
+      std::find(words.begin(), words.end(), "-") != words.end())
     throw UsageError("mpirun: found -, stdin, which it gives to one rank; allowed: a file");
 }
 
@@ -126,7 +128,8 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
 
 int CommandLine::run() const {
   const Ranks* const ranks = started_ranks();
-  if (ranks) check_ranks(app.get_subcommands().front()->get_name(), options, sweep_parameters);
+  if (ranks)
+    check_ranks(app.get_subcommands().front()->get_name(), options, sweep_parameters, words);
   // Ranks on one machine share its cores.
   const int own =
       std::max(1, tbb::this_task_arena::max_concurrency() / (ranks ? ranks->neighbours() : 1));

@@ -224,8 +224,8 @@ void define_fit(CommandLine& line) {
   command
       .add_option(
           "-o,--output", line.options.output,
-          "Of --model: a FOLDER with the fit and a comparison's page; of --stack: FILE.toml "
-          "for the fitted stack; else a FILE with what was fitted")
+          "A FOLDER with the fit and a comparison's page; of --stack also FILE.toml for the fitted "
+          "stack alone; without both a FILE with what was fitted")
       ->transform(named("a folder or file to write"))
       ->type_name("PATH");
   add_pictures(command, line);

@@ -200,7 +200,8 @@ void define_measure(CommandLine& line) {
       "lamella measure sphere_bed_dense --walks 1e5 -o equivalent.toml",
       [&] { return measure_command(line.options); });
   add_stack(command, line);
-  add_walks(command, line, "Rays from above, and as many points");
+  add_walks(command, line,
+            "Rays from above, and as many points; with --fit also walks per incident direction");
   command
       .add_option_function<std::string>(
           "--medium",
@@ -211,6 +212,11 @@ void define_measure(CommandLine& line) {
           "Of the equivalent stack (default vmf_flake)")
       ->transform(one_of({"vmf_flake", "sggx", "lambert_sphere"}))
       ->type_name("vmf_flake|sggx|lambert_sphere");
+  command.add_flag("--fit", line.options.fit,
+                   "Also by lobes: the roughness with which the medium, and the closed form "
+                   "vmf_diffuse, come nearest to walks among the grains");
+  add_incident(command, line);
+  add_grid(command, line);
   add_output(command, line, "FILE.toml", "Write the equivalent stack to FILE.toml");
   add_seed(command, line);
   add_threads(command, line);

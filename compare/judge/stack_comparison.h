@@ -14,7 +14,7 @@ namespace lamella {
 struct JudgedModel {
   const BoundModel* bound = nullptr;
   std::string name;        ///< of its files: distinct among the models of a comparison
-  double nanoseconds = 0;  ///< per evaluation of one pair
+  double nanoseconds = 0;  ///< per evaluation of one pair; 0: of what has lobes on cells alone
   std::vector<LobeComparison> lobes{};
 };
 

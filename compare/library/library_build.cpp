@@ -10,6 +10,7 @@
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "phase/stack/stack_file.h"
+#include "volume/grains/grain_scene.h"
 
 namespace lamella {
 namespace {
@@ -96,7 +97,14 @@ LibraryBuildResult build_library(const LibraryBuild& build, const RunMonitor& mo
       if (build.done) build.done(*there, number, count, true);
       continue;
     }
-    std::optional<LibraryEntry> entry = find_entry(of, stack, build, monitor);
+    std::optional<LibraryEntry> entry;
+    try {
+      if (of.stack.grains()) GrainScene::require_available();
+      entry = find_entry(of, stack, build, monitor);
+    } catch (const GeometryError& error) {
+      result.refused.push_back(fmt::format("{}: {}", of.name, error.what()));
+      continue;
+    }
     if (monitor.finished) monitor.finished();
     if (!entry) {
       result.interrupted = true;

@@ -19,6 +19,7 @@ struct LibraryBuild {
 
 struct LibraryBuildResult {
   std::size_t kept = 0, found = 0;
+  std::vector<std::string> refused{};  ///< "NAME: why": what this build cannot simulate
   bool interrupted = false;
   std::uint64_t bytes = 0;  ///< of all entries in the folder
 };

@@ -104,13 +104,9 @@ void add(Deviation& sum, const Reference& entry, const LobeBlock& lobe, std::siz
   }
 }
 
-}  // namespace
-
-std::vector<LibraryClaim> library_claims(const ModelRequest& request, const LibraryIndex& index,
-                                         const std::vector<std::string>& entries) {
-  const ModelInfo* info = find_or_load_model(request.name);
-  if (!info) check_request(request);  // throws
-  std::vector<LibraryClaim> claims;
+// "NAME[,key=value...]" of each, names that are in the index.
+std::vector<ModelRequest> named_entries(const std::vector<std::string>& entries,
+                                        const LibraryIndex& index) {
   std::vector<std::string> names;
   for (const LibraryEntry& entry : index.entries) names.push_back(entry.name);
   std::vector<ModelRequest> named;
@@ -118,6 +114,24 @@ std::vector<LibraryClaim> library_claims(const ModelRequest& request, const Libr
     named.push_back(parse_model_request(text));
     check_names({named.back().name}, names, "--entry");
   }
+  return named;
+}
+
+[[noreturn]] void throw_no_claim(const std::string& model) {
+  throw UsageError(
+      fmt::format("--library: found no entry that {} claims; allowed: --entry NAME[,key=value...] "
+                  "with an entry that lamella library show lists",
+                  model));
+}
+
+}  // namespace
+
+std::vector<LibraryClaim> library_claims(const ModelRequest& request, const LibraryIndex& index,
+                                         const std::vector<std::string>& entries) {
+  const ModelInfo* info = find_or_load_model(request.name);
+  if (!info) check_request(request);  // throws
+  std::vector<LibraryClaim> claims;
+  const std::vector<ModelRequest> named = named_entries(entries, index);
   for (const LibraryEntry& entry : index.entries) {
     bool by_name = false;
     for (const ModelRequest& of : named) {
@@ -131,22 +145,23 @@ std::vector<LibraryClaim> library_claims(const ModelRequest& request, const Libr
     const auto of_stack = info->applies_to(stack_of_entry(entry));
     if (of_stack && !contradicts(*info, request, *of_stack)) claims.push_back({&entry, request});
   }
-  if (claims.empty())
-    throw UsageError(fmt::format(
-        "--library: found no entry that {} claims; allowed: --entry NAME[,key=value...] with an "
-        "entry that lamella library show lists",
-        request.name));
+  if (claims.empty()) throw_no_claim(request.name);
   return claims;
 }
 
 CheckLine check_on_entry(const LibraryClaim& claim, const std::filesystem::path& folder,
                          double max_error) {
   const Stack stack = stack_of_entry(*claim.entry);
-  const Reference entry = read_reference(*claim.entry, folder);
-  const BoundModel bound = model_for(with_fitted_lobes(claim.request, stack), stack);
+  return check_on_entry(model_for(with_fitted_lobes(claim.request, stack), stack), *claim.entry,
+                        folder, max_error);
+}
+
+CheckLine check_on_entry(const BoundModel& bound, const LibraryEntry& of,
+                         const std::filesystem::path& folder, double max_error) {
+  const Reference entry = read_reference(of, folder);
   const std::vector<Order> orders = judged_orders(*bound.info);
-  CheckLine line{claim.entry->name, fmt::format("the lobes are those of the library within {}",
-                                                percent_text(max_error))};
+  CheckLine line{of.name, fmt::format("the lobes are those of the library within {}",
+                                      percent_text(max_error))};
   Deviation sum;
   for (std::size_t d = 0; d < entry.set.directions.size(); ++d)
     for (const bool reflected : {true, false}) {
@@ -179,6 +194,32 @@ CheckLine check_on_entry(const LibraryClaim& claim, const std::filesystem::path&
   });
   line.cases = cases;
   return line;
+}
+
+std::vector<CheckLine> check_on_library(const ModelRequest& request, const LibraryUse& use,
+                                        const RunMonitor& monitor) {
+  const LibraryIndex index = read_index(use.folder);
+  std::vector<CheckLine> lines;
+  for (const LibraryClaim& claim : library_claims(request, index, use.entries)) {
+    if (monitor.is_stopped()) break;
+    lines.push_back(check_on_entry(claim, use.folder, use.max_error));
+  }
+  return lines;
+}
+
+std::vector<CheckLine> check_on_library(const std::string& name, const ModelOfEntry& make,
+                                        const LibraryUse& use, const RunMonitor& monitor) {
+  const LibraryIndex index = read_index(use.folder);
+  const std::vector<ModelRequest> named = named_entries(use.entries, index);
+  if (named.empty()) throw_no_claim(name);
+  std::vector<CheckLine> lines;
+  for (const LibraryEntry& entry : index.entries)
+    for (const ModelRequest& of : named) {
+      if (of.name != entry.name || monitor.is_stopped()) continue;
+      lines.push_back(
+          check_on_entry(make(of, stack_of_entry(entry)), entry, use.folder, use.max_error));
+    }
+  return lines;
 }
 
 }  // namespace lamella

@@ -8,6 +8,7 @@
 #include "compare/judge/check_line.h"
 #include "compare/library/library_index.h"
 #include "compare/request/model_request.h"
+#include "compare/request/run_monitor.h"
 
 namespace lamella {
 
@@ -34,8 +35,34 @@ struct LibraryClaim {
 [[nodiscard]] CheckLine check_on_entry(const LibraryClaim& claim,
                                        const std::filesystem::path& folder, double max_error);
 
+/// The same of a model that is there.
+[[nodiscard]] CheckLine check_on_entry(const BoundModel& model, const LibraryEntry& entry,
+                                       const std::filesystem::path& folder, double max_error);
+
 /// The relative RMSE at which a model passes where nothing else is asked for: that within which
 /// `compare` says that it agrees.
 inline constexpr double kLibraryMaxError = 0.1;
+
+/// What of a library a model is held against.
+struct LibraryUse {
+  std::filesystem::path folder{};
+  std::vector<std::string> entries{};  ///< NAME[,key=value...] that the model stands for
+  double max_error = kLibraryMaxError;
+};
+
+/// A line per entry that the model of a request claims (library_claims), in the index's order,
+/// until the monitor stops it. Throws UsageError.
+[[nodiscard]] std::vector<CheckLine> check_on_library(const ModelRequest& request,
+                                                      const LibraryUse& use,
+                                                      const RunMonitor& monitor);
+
+/// Makes a model for the stack of an entry, from the keys that the entry was named with.
+using ModelOfEntry = std::function<BoundModel(const ModelRequest& entry, const Stack& stack)>;
+
+/// The same of a model that no catalogue has: it claims the entries that `use` names and no others.
+[[nodiscard]] std::vector<CheckLine> check_on_library(const std::string& name,
+                                                      const ModelOfEntry& make,
+                                                      const LibraryUse& use,
+                                                      const RunMonitor& monitor);
 
 }  // namespace lamella

@@ -31,7 +31,7 @@ Json method_json(const ReferenceMethod& method) {
   if (!method.reason.empty()) json["reason"] = method.reason;
   if (method.is_bounded()) {
     json["tolerance"] = method.tolerance;
-    json["reached"] = method.error <= method.tolerance;
+    json["reached"] = method.reached();
     json["bound"] = method.error;
   } else {
     json["walks"] = method.walks;

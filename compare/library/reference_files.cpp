@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <iterator>
+#include <string_view>
 
 #include "compare/exchange/lobe_archive.h"
 #include "compare/exchange/npz_reader.h"
@@ -11,6 +12,9 @@
 
 namespace lamella {
 namespace {
+
+// What the names of energies begin with.
+constexpr std::string_view kEnergy = "energy.";
 
 NamedArray directions_array(const std::string& name, const std::vector<DirectionPair>& pairs,
                             Direction DirectionPair::*which) {
@@ -42,7 +46,7 @@ std::string reference_npz(const Reference& reference) {
       colors_array("points.error", reference.f_error, set.channels)};
   for (const LobeBlock& block : set.energies) {
     const std::string name =
-        "energy." + (block.side.empty() ? block.name : block.side + "." + block.name);
+        std::string(kEnergy) + (block.side.empty() ? block.name : block.side + "." + block.name);
     further.push_back({name, per_direction, block.value});
     further.push_back({name + ".se", per_direction, block.standard_error});
   }
@@ -74,7 +78,7 @@ Reference reference_of_npz(const std::string& bytes, const std::string& file) {
   };
   const NpzArray &wi = at("points.wi", 3), &wo = at("points.wo", 3);
   const NpzArray &f = at("points.f", channels), &error = at("points.error", channels);
-  const std::size_t count = wi.shape[0];
+  const std::size_t count = wi.shape[0], directions = reference.set.directions.size();
   for (const NpzArray* array : {&wo, &f, &error})
     if (array->shape[0] != count)
       throw FormatError(
@@ -92,13 +96,21 @@ Reference reference_of_npz(const std::string& bytes, const std::string& file) {
     reference.f.push_back(color(f, k));
     reference.f_error.push_back(color(error, k));
   }
-  if (arrays.contains("unresolved")) {
-    reference.unresolved = at("unresolved", channels).values;
-    if (reference.unresolved.size() != reference.set.directions.size() * channels)
-      throw FormatError(
-          fmt::format("{}: found \"unresolved\" of another shape; allowed: an entry of lamella "
-                      "library",
-                      file));
+  const auto per_direction = [&](const std::string& name) {
+    const NpzArray& array = at(name, channels);
+    if (array.shape[0] != directions)
+      throw FormatError(fmt::format(
+          "{}: found \"{}\" of another shape; allowed: an entry of lamella library", file, name));
+    return array.values;
+  };
+  if (arrays.contains("unresolved")) reference.unresolved = per_direction("unresolved");
+  for (const auto& [name, array] : arrays) {
+    if (!name.starts_with(kEnergy) || name.ends_with(".se")) continue;
+    const std::string of = name.substr(kEnergy.size());
+    const std::size_t dot = of.find('.');
+    reference.set.energies.push_back({dot == std::string::npos ? "" : of.substr(0, dot),
+                                      dot == std::string::npos ? of : of.substr(dot + 1),
+                                      per_direction(name), per_direction(name + ".se")});
   }
   return reference;
 }

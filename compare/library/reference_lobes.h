@@ -26,11 +26,13 @@ struct ReferenceMethod {
   std::uint64_t walks = 0;  ///< per direction, the fewest of them; 0 from the solver
 
   [[nodiscard]] bool is_bounded() const { return walks == 0; }
+  /// Of the solver: whether the bound is within the tolerance.
+  [[nodiscard]] bool reached() const { return error <= tolerance; }
 };
 
 /// An entry of the library: lobes of every order on cells, and f at pairs of directions.
 struct Reference {
-  LobeSet set{};  ///< lobes with bounds or standard errors; energies of a new entry, too
+  LobeSet set{};  ///< lobes and energies with bounds or standard errors
   /// Per [direction][channel], the energy that all lobes together may lack, as walks were cut
   /// (judge/missing_light.h); empty if there is none.
   std::vector<double> unresolved{};

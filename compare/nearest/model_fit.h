@@ -5,6 +5,7 @@
 
 #include "compare/nearest/fit_subject.h"
 #include "compare/request/interrupt.h"
+#include "volume/result/run_result.h"
 
 namespace lamella {
 
@@ -70,6 +71,7 @@ struct ModelFit {
   int iterations = 0;
   std::string stack{};  ///< the fitted stack's file, and by what its lobes were found
   std::string estimator{};
+  std::vector<RunResult> runs{};  ///< of a stack: its lobes, per incident direction of the target
 };
 
 /// The least of the subject's searches, without `info`, `request` and what is said of stacks.

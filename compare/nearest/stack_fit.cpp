@@ -30,6 +30,27 @@ struct SolverQuality {
 // The number of nodes before this one in a refinement (volume/solver/refinement.cpp).
 int nodes_before(int nodes) { return nodes % 3 == 0 ? nodes / 3 * 2 : nodes / 4 * 3; }
 
+// Numbers of a lobe, [channel][cell], on other cells, which may be folded where the lobe's are not
+// and the other way round; grey for all channels.
+std::vector<double> on_cells(const std::vector<double>& from, const CellGrid& grid, int channels,
+                             const CellGrid& to, int to_channels) {
+  std::vector<double> out;
+  for (int c = 0; c < to_channels; ++c)
+    for (int row = 0; row < to.rows(); ++row)
+      for (int column = 0; column < to.columns(); ++column) {
+        const auto at = [&](int j) {
+          const int k = grid.folded ? std::min(j, grid.phi_cells - 1 - j) : j;
+          const int channel = channels == 1 ? 0 : c;
+          return from.empty() ? 0.0
+                              : from[static_cast<std::size_t>(channel * grid.cells() +
+                                                              row * grid.columns() + k)];
+        };
+        out.push_back(to.folded && !grid.folded ? (at(column) + at(to.phi_cells - 1 - column)) / 2
+                                                : at(column));
+      }
+  return out;
+}
+
 // The lobes of a stack on a target's cells.
 class StackLobes {
  public:
@@ -93,6 +114,10 @@ class StackLobes {
       return std::nullopt;
     }
   }
+  /// The lobes at scaled numbers as the exact pass has them.
+  [[nodiscard]] std::vector<RunResult> exact_runs(std::span<const double> x) {
+    return runs(stack_.at(x), FitPass::exact);
+  }
   /// Standard errors of walks.
   [[nodiscard]] std::vector<double> errors(std::span<const double> x) {
     return on_target(runs(stack_.at(x), FitPass::fine), true);
@@ -133,32 +158,17 @@ class StackLobes {
     return found;
   }
 
-  // Numbers of the lobes "all" on the target's cells, which may be folded where the stack's are not
-  // and the other way round; grey for all channels.
+  // Numbers of the lobes "all" on the target's cells.
   [[nodiscard]] std::vector<double> on_target(const std::vector<RunResult>& runs,
                                               bool errors) const {
     std::vector<double> out;
-    const CellGrid& to = target_.grid;
     for (const TargetLobe& lobe : target_.lobes) {
       const RunResult& run = runs[lobe.run];
       const LobeEstimate& all =
           (lobe.reflected ? run.reflected : run.transmitted).lobes[Order::all];
-      const std::vector<double>& from = errors ? all.standard_error : all.value;
-      const CellGrid& grid = run.grid;
-      for (int c = 0; c < target_.channels; ++c)
-        for (int row = 0; row < to.rows(); ++row)
-          for (int column = 0; column < to.columns(); ++column) {
-            const auto at = [&](int j) {
-              const int k = grid.folded ? std::min(j, grid.phi_cells - 1 - j) : j;
-              const int channel = run.channels == 1 ? 0 : c;
-              return from.empty() ? 0.0
-                                  : from[static_cast<std::size_t>(channel * grid.cells() +
-                                                                  row * grid.columns() + k)];
-            };
-            out.push_back(to.folded && !grid.folded
-                              ? (at(column) + at(to.phi_cells - 1 - column)) / 2
-                              : at(column));
-          }
+      const std::vector<double> cells = on_cells(errors ? all.standard_error : all.value, run.grid,
+                                                 run.channels, target_.grid, target_.channels);
+      out.insert(out.end(), cells.begin(), cells.end());
     }
     return out;
   }
@@ -209,10 +219,51 @@ NearestModels nearest_stack(const TargetTruths& target, const ParametricStack& s
     fit.request.sources[number.number.name()] = "fitted";
   }
   fit.stack = stack.toml(fit.scaled);
+  fit.runs = lobes.exact_runs(fit.scaled);
   fit.estimator = lobes.by();
   nearest.fits.push_back(std::move(fit));
   nearest.interrupted = nearest.interrupted || monitor.is_stopped();
   return nearest;
+}
+
+BoundModel fitted_stack_model(const ModelFit& fit, ModelInfo& info) {
+  info.name = fit.request.name;
+  info.doc = "a stack whose numbers were fitted";
+  BoundModel model;
+  model.info = &info;
+  for (const FittedNumber& number : fit.numbers) {
+    ParameterInfo parameter;
+    parameter.name = number.number.name();
+    parameter.min = number.number.low;
+    parameter.max = number.number.high;
+    info.parameters.push_back(std::move(parameter));
+    model.parameters.set(number.number.name(), number.value);
+  }
+  model.sources = fit.request.sources;
+  return model;
+}
+
+StackComparison compare_with_stack(const TargetTruths& target, const ModelFit& fit,
+                                   const BoundModel& model) {
+  return compare_with(target, model, [&](std::size_t k, bool reflected) {
+    const RunResult &truth = target.truths[k].run, &run = fit.runs[k];
+    const SideResult& side = reflected ? run.reflected : run.transmitted;
+    const SideResult& known = reflected ? truth.reflected : truth.transmitted;
+    const auto on_truth = [&](const std::vector<double>& from) {
+      return on_cells(from, run.grid, run.channels, truth.grid, truth.channels);
+    };
+    ProjectedLobes projected;
+    for (std::size_t o = 0; o < side.lobes.size(); ++o) {
+      const LobeEstimate& lobe = side.lobes[o];
+      projected.has[o] = !lobe.value.empty() && !known.lobes[o].value.empty();
+      if (!projected.has[o] && static_cast<Order>(o) != Order::all) continue;
+      projected.has[o] = true;
+      projected.lobes[o] = on_truth(lobe.value);
+      projected.errors[o] = on_truth(lobe.standard_error);
+      for (double& error : projected.errors[o]) error *= run.is_bounded() ? 1 : kErrorsAsBound;
+    }
+    return projected;
+  });
 }
 
 }  // namespace lamella

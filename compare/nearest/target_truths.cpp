@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -121,29 +122,67 @@ TargetTruths truths_of(const LobeSet& lobes, const std::string& name) {
   return target;
 }
 
-StackComparison compare_with(const TargetTruths& target, const std::vector<BoundModel>& models) {
-  StackComparison comparison;
-  const bool as_bounds =
-      std::any_of(target.truths.begin(), target.truths.end(),
-                  [](const Truth& t) { return !t.batches && !t.run.is_bounded(); });
-  if (as_bounds) {
-    std::vector<Truth> bounded;
-    for (const Truth& truth : target.truths) {
-      bounded.push_back({truth.run, nullptr});
-      RunResult& run = bounded.back().run;
-      run.estimator = Estimator::deterministic;
-      run.accuracy = known_accuracy();
-      for (SideResult* side : {&run.reflected, &run.transmitted})
-        for (LobeEstimate& lobe : side->lobes)
-          for (double& error : lobe.standard_error) error *= kErrorsAsBound;
-    }
-    EstimatorChoice choice = target.choice;
-    choice.estimator = Estimator::deterministic;
-    choice.reason += fmt::format("; {:g} standard errors stand for its bounds", kErrorsAsBound);
-    comparison = compare_truths(bounded, target.plan, choice, models);
-  } else {
-    comparison = compare_truths(target.truths, target.plan, target.choice, models);
+namespace {
+
+// The truths as comparisons take them, and the choice that is told.
+struct JudgedTruths {
+  std::vector<Truth> own{};
+  EstimatorChoice choice;
+};
+
+// Walks that are not there themselves: standard errors become bounds. Nothing where all are there.
+std::optional<JudgedTruths> as_bounds(const TargetTruths& target) {
+  if (std::none_of(target.truths.begin(), target.truths.end(),
+                   [](const Truth& t) { return !t.batches && !t.run.is_bounded(); }))
+    return std::nullopt;
+  JudgedTruths judged{{}, target.choice};
+  for (const Truth& truth : target.truths) {
+    judged.own.push_back({truth.run, nullptr});
+    RunResult& run = judged.own.back().run;
+    run.estimator = Estimator::deterministic;
+    run.accuracy = known_accuracy();
+    for (SideResult* side : {&run.reflected, &run.transmitted})
+      for (LobeEstimate& lobe : side->lobes)
+        for (double& error : lobe.standard_error) error *= kErrorsAsBound;
   }
+  judged.choice.estimator = Estimator::deterministic;
+  judged.choice.reason +=
+      fmt::format("; {:g} standard errors stand for its bounds", kErrorsAsBound);
+  return judged;
+}
+
+}  // namespace
+
+StackComparison compare_with(const TargetTruths& target, const std::vector<BoundModel>& models) {
+  const std::optional<JudgedTruths> bounded = as_bounds(target);
+  StackComparison comparison =
+      bounded ? compare_truths(bounded->own, target.plan, bounded->choice, models)
+              : compare_truths(target.truths, target.plan, target.choice, models);
+  comparison.interrupted = target.interrupted;
+  return comparison;
+}
+
+StackComparison compare_with(const TargetTruths& target, const BoundModel& model,
+                             const LobesOnCells& lobes) {
+  const std::optional<JudgedTruths> bounded = as_bounds(target);
+  const std::vector<Truth>& truths = bounded ? bounded->own : target.truths;
+  StackComparison comparison;
+  comparison.choice = bounded ? bounded->choice : target.choice;
+  comparison.channels = target.plan.channels;
+  comparison.models.push_back({&model, model.info->name});
+  std::vector<LobeComparison*> all;
+  for (std::size_t k = 0; k < truths.size(); ++k) {
+    const Truth& truth = truths[k];
+    comparison.runs.push_back(truth.run);
+    for (const bool reflected : {true, false}) {
+      if (!reflected && !target.plan.transmits) continue;
+      for (LobeComparison& l :
+           compare(truth.run, truth.batches.get(), lobes(k, reflected), reflected))
+        comparison.models[0].lobes.push_back(std::move(l));
+    }
+  }
+  for (LobeComparison& l : comparison.models[0].lobes) all.push_back(&l);
+  decide(all);
   comparison.interrupted = target.interrupted;
   return comparison;
 }

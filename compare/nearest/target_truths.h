@@ -1,8 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "compare/judge/projection.h"
 #include "compare/judge/stack_comparison.h"
 #include "compare/report/lobe_set.h"
 #include "compare/truth/ground_truth.h"
@@ -34,5 +36,11 @@ struct TargetTruths {
 [[nodiscard]] StackComparison compare_with(const TargetTruths& target,
                                            const std::vector<BoundModel>& models);
 inline constexpr double kErrorsAsBound = 4;
+
+/// The same of one that is there on cells: `lobes` gives those of the k-th incident direction on
+/// one side, on the truth's own cells.
+using LobesOnCells = std::function<ProjectedLobes(std::size_t k, bool reflected)>;
+[[nodiscard]] StackComparison compare_with(const TargetTruths& target, const BoundModel& model,
+                                           const LobesOnCells& lobes);
 
 }  // namespace lamella

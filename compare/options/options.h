@@ -51,6 +51,7 @@ struct Options {
   std::string design{};                                  ///< of samples: latin:N; empty: a grid
   std::string medium = "vmf_flake";                      ///< that stands for explicit geometry
   bool medium_given = false, walks_given = false;
+  bool fit = false;                          ///< of measure: also by lobes
   std::string shard{};                       ///< I/N; empty: the whole run
   std::string checkpoint{};                  ///< a file; empty: none
   std::optional<double> checkpoint_every{};  ///< seconds

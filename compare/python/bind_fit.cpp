@@ -133,14 +133,22 @@ py::tuple fit_stack(const py::object& target, const Stack& stack,
   return py::make_tuple(std::move(fits), end.warnings);
 }
 
-// The models as they came out, judged by the target.
+// The models as they came out, or the fitted stack, judged by the target.
 std::unique_ptr<PythonReport> report_of(const PythonFits& fits) {
   auto report = std::make_unique<PythonReport>();
   do_whole_work([&](const RunMonitor&) {
     report->request = fits.target.request;
     report->infos = fits.families;
-    report->models = bound_models(fits.nearest);
     report->inputs = fits.inputs;
+    const ModelFit& best = fits.nearest.fits.front();
+    if (!best.runs.empty()) {
+      auto info = std::make_shared<ModelInfo>();
+      report->models.push_back(fitted_stack_model(best, *info));
+      report->infos.push_back(std::move(info));
+      report->comparison = compare_with_stack(fits.target, best, report->models.front());
+      return;
+    }
+    report->models = bound_models(fits.nearest);
     report->comparison = compare_with(fits.target, report->models);
   });
   return report;

@@ -161,9 +161,10 @@ void bind_lobes(py::module_& m) {
       .def_property_readonly("folded", [](const PythonLobes& l) { return l.set.grid.folded; })
       .def_property_readonly("channels", [](const PythonLobes& l) { return l.set.channels; })
       .def_property_readonly("attributes", &attributes)
-      .def_property_readonly(
-          "is_bounded",
-          [](const PythonLobes& l) { return !l.runs.empty() && l.runs.front().is_bounded(); })
+      .def_property_readonly("is_bounded",
+                             [](const PythonLobes& l) {
+                               return l.runs.empty() ? l.bounded : l.runs.front().is_bounded();
+                             })
       .def_readonly("answer", &PythonLobes::answer)
       .def_readonly("estimator", &PythonLobes::estimator)
       .def_readonly("interrupted", &PythonLobes::interrupted)

@@ -20,5 +20,6 @@ void bind_formats(pybind11::module_& m);
 void bind_family(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_check(pybind11::module_& m);
+void bind_library(pybind11::module_& m);
 
 }  // namespace lamella

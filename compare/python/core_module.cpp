@@ -16,4 +16,5 @@ PYBIND11_MODULE(_core, m) {
   lamella::bind_family(m);
   lamella::bind_fit(m);
   lamella::bind_check(m);
+  lamella::bind_library(m);
 }

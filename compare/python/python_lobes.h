@@ -25,6 +25,7 @@ struct PythonLobes {
   std::string answer = "null";  ///< JSON, as the command line's
   std::string estimator{};      ///< which and why, in words
   bool interrupted = false;
+  bool bounded = false;  ///< errors are bounds; of lobes that were simulated the runs tell
 };
 
 /// Takes the lobes out of the runs.

@@ -71,8 +71,10 @@ std::string table(const std::vector<JudgedModel>& models, std::uint64_t max_orde
   const bool cut = std::any_of(all.begin(), all.end(), [](const auto* l) { return l->is_cut(); });
   std::string text;
   for (const JudgedModel& m : models) {
-    text += fmt::format("\n{} ({:.0f} ns per evaluation)\n{}", m.bound->info->name, m.nanoseconds,
-                        told_parameters(*m.bound, 4));
+    text += fmt::format(
+        "\n{}{}\n{}", m.bound->info->name,
+        m.nanoseconds > 0 ? fmt::format(" ({:.0f} ns per evaluation)", m.nanoseconds) : "",
+        told_parameters(*m.bound, 4));
     // Where light is missing the verdict has the range of the rel. RMSE: as it stands it is left
     // out.
     text += fmt::format("  {:>7} {:>8} {:>5} {:>8} {:>7}{} {:>8}{} {:>8} {:>7}  {}\n", "theta_i",
@@ -124,7 +126,7 @@ Json models_json(const std::vector<JudgedModel>& models) {
     list.push_back({{"name", m.bound->info->name},
                     {"parameters", std::move(parameters)},
                     {"parameter_sources", m.bound->sources},
-                    {"ns_per_eval", m.nanoseconds},
+                    {"ns_per_eval", m.nanoseconds > 0 ? Json(m.nanoseconds) : Json()},
                     {"lobes", std::move(lobes)}});
   }
   return list;

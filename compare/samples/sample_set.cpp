@@ -20,8 +20,6 @@ namespace lamella {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-namespace {
-
 // A file that lines are added to, each of them on the disk before the next.
 class LineFile {
  public:
@@ -40,6 +38,8 @@ class LineFile {
   fs::path path_;
   OpenFile file_;
 };
+
+namespace {
 
 std::string lines_name(Shard part) {
   return fmt::format("done-{}-of-{}.jsonl", part.index, part.count);
@@ -92,34 +92,68 @@ void SampleSet::read_lines() {
   }
 }
 
+SampleSet::~SampleSet() = default;
+
+void SampleSet::begin_lines() {
+  if (lines_) return;
+  const fs::path path = folder_ / lines_name(part_);
+  lock_ = std::make_unique<FileLock>(path);
+  lines_ = std::make_unique<LineFile>(path);
+  // Ends what a crash cut off.
+  if (fs::file_size(path) > 0) lines_->add("");
+}
+
 void SampleSet::make(const std::function<MadeFile(std::size_t, const fs::path&)>& make,
                      const std::function<void(std::size_t, const Json&, bool)>& tell,
                      const std::function<bool()>& stop) {
-  const FileLock lock(folder_ / lines_name(part_));
-  LineFile lines(folder_ / lines_name(part_));
-  // Ends what a crash cut off.
-  if (fs::file_size(folder_ / lines_name(part_)) > 0) lines.add("");
+  begin_lines();
   for (std::size_t k = 0; k < stacks_.size() && !stop(); ++k) {
     if (!part_.has(k)) continue;
     if (!entries_[k].is_null()) {
       tell(k, entries_[k], true);
       continue;
     }
-    const DesignedStack& stack = stacks_[k];
-    const std::string name = stack.name + ".npz";
-    const fs::path file = folder_ / name;
-    MadeFile made = make(k, file);
-    if (!made.whole) return;
-    Json entry{{"number", k}, {"name", stack.name}, {"file", name}, {"stack", stack.toml}};
-    entry["parameters"] = Json::object();
-    for (const auto& [path, value] : stack.values) entry["parameters"][path] = value;
-    entry.update(made.about);
-    entry["bytes"] = fs::file_size(file);
-    entry["sha256"] = content_hash_of_file(file);
-    lines.add(entry.dump());
-    tell(k, entry, false);
-    entries_[k] = std::move(entry);
+    const MadeFile made = make(k, folder_ / set_file_name(stacks_[k]));
+    if (!made.whole) break;
+    keep(k, set_entry(folder_, k, stacks_[k], made));
+    tell(k, entries_[k], false);
   }
+  lines_.reset();
+  lock_.reset();
+}
+
+std::vector<std::uint64_t> SampleSet::missing() const {
+  std::vector<std::uint64_t> list;
+  for (std::uint64_t k = 0; k < stacks_.size(); ++k)
+    if (part_.has(k) && entries_[k].is_null()) list.push_back(k);
+  return list;
+}
+
+void SampleSet::keep(std::uint64_t k, Json entry) {
+  const fs::path file = folder_ / set_file_name(stacks_.at(k));
+  std::error_code error;
+  if (fs::file_size(file, error) != entry.value("bytes", std::uintmax_t{0}) || error)
+    throw UsageError(
+        fmt::format("{}: found another file than that which was made; allowed: a folder that all "
+                    "processes share",
+                    file.string()));
+  begin_lines();
+  lines_->add(entry.dump());
+  entries_[k] = std::move(entry);
+}
+
+std::string set_file_name(const DesignedStack& stack) { return stack.name + ".npz"; }
+
+Json set_entry(const fs::path& folder, std::uint64_t k, const DesignedStack& stack,
+               const MadeFile& made) {
+  const std::string name = set_file_name(stack);
+  Json entry{{"number", k}, {"name", stack.name}, {"file", name}, {"stack", stack.toml}};
+  entry["parameters"] = Json::object();
+  for (const auto& [path, value] : stack.values) entry["parameters"][path] = value;
+  entry.update(made.about);
+  entry["bytes"] = fs::file_size(folder / name);
+  entry["sha256"] = content_hash_of_file(folder / name);
+  return entry;
 }
 
 Json SampleSet::write_index(Json header) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "compare/shards/shard.h"
 
 namespace lamella {
+
+class FileLock;
+class LineFile;
 
 /// What the making of a stack's file tells of it, for the index.
 struct MadeFile {
@@ -32,12 +36,19 @@ class SampleSet {
   /// another set, OutputError, FolderInUse where a process does the same part.
   SampleSet(std::filesystem::path folder, const nlohmann::ordered_json& settings,
             std::vector<DesignedStack> stacks, Shard part);
+  ~SampleSet();
 
   /// Makes the files of this part that are missing, in order, until `stop` says so; make(k, file)
   /// writes that of stack k. tell(k, entry, was_there): after each.
   void make(const std::function<MadeFile(std::size_t, const std::filesystem::path&)>& make,
             const std::function<void(std::size_t, const nlohmann::ordered_json&, bool)>& tell,
             const std::function<bool()>& stop);
+
+  /// The files of this part that are missing, in order.
+  [[nodiscard]] std::vector<std::uint64_t> missing() const;
+  /// Takes the entry of a file that another process made in this folder, and tells it on the disk.
+  /// Throws UsageError where the file is not seen from here.
+  void keep(std::uint64_t k, nlohmann::ordered_json entry);
 
   /// Writes index.json, and returns it. `header`: what comes first.
   nlohmann::ordered_json write_index(nlohmann::ordered_json header) const;
@@ -46,11 +57,20 @@ class SampleSet {
 
  private:
   void read_lines();
+  void begin_lines();
 
   std::filesystem::path folder_;
   std::vector<DesignedStack> stacks_;
   Shard part_;
+  std::unique_ptr<FileLock> lock_;
+  std::unique_ptr<LineFile> lines_;
   std::vector<nlohmann::ordered_json> entries_;  // null: not done
 };
+
+/// The entry of a file that `made` tells of, which lies in the folder.
+[[nodiscard]] nlohmann::ordered_json set_entry(const std::filesystem::path& folder, std::uint64_t k,
+                                               const DesignedStack& stack, const MadeFile& made);
+/// Its name.
+[[nodiscard]] std::string set_file_name(const DesignedStack& stack);
 
 }  // namespace lamella

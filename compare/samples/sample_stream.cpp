@@ -105,6 +105,19 @@ void read_back(const std::string& bytes, int channels, std::uint64_t most_walks,
   in.end();
 }
 
+std::vector<SampleChunk> chunks_of(const SampleRun& run, std::uint64_t walks, std::uint64_t from,
+                                   std::uint64_t to) {
+  std::vector<SampleChunk> chunks(to - from);
+  tbb::parallel_for(from, to,
+                    [&](std::uint64_t k) { chunks[k - from] = described(run.take(k, walks)); });
+  return chunks;
+}
+
+// Chunks of a keeper's piece.
+std::uint64_t piece_chunks(const SampleRun& run) {
+  return std::max<std::uint64_t>(1, kPieceWalks / run.chunk_walks());
+}
+
 // The walks of one direction.
 class Stream {
  public:
@@ -125,10 +138,7 @@ class Stream {
 
  private:
   [[nodiscard]] std::vector<SampleChunk> found(std::uint64_t from, std::uint64_t to) const {
-    std::vector<SampleChunk> chunks(to - from);
-    tbb::parallel_for(from, to,
-                      [&](std::uint64_t k) { chunks[k - from] = described(run_.take(k, walks_)); });
-    return chunks;
+    return chunks_of(run_, walks_, from, to);
   }
   void hand_over(const SampleChunk& chunk) {
     receive_(chunk);
@@ -164,7 +174,7 @@ class Stream {
   }
 
   void by_pieces() {
-    const std::uint64_t step = std::max<std::uint64_t>(1, kPieceWalks / run_.chunk_walks());
+    const std::uint64_t step = piece_chunks(run_);
     for (std::uint64_t at = 0; at < chunks_ && !monitor_.is_stopped(); at += step) {
       const auto bytes =
           monitor_.keeper->piece([&] { return saved(found(at, std::min(at + step, chunks_))); });
@@ -208,6 +218,41 @@ std::string_view column_bytes(const WalkSamples& samples, int column) {
     default:
       return bytes_of(samples.side);
   }
+}
+
+SamplePieces::SamplePieces(const SampleRequest& request) : request_(request) {
+  const std::size_t directions =
+      request.law == IncidentLaw::fixed ? request.truth.directions.size() : 1;
+  const std::uint64_t walks = request.truth.effort.walks;
+  std::uint64_t end = 0;
+  for (direction_ = 0; direction_ < directions; ++direction_) {
+    run_ = run_of(direction_);
+    const std::uint64_t step = piece_chunks(*run_);
+    ends_.push_back(end += (run_->chunks(walks) + step - 1) / step);
+  }
+  --direction_;
+}
+
+SamplePieces::~SamplePieces() = default;
+
+std::unique_ptr<SampleRun> SamplePieces::run_of(std::size_t direction) const {
+  const TruthRequest& truth = request_.truth;
+  if (request_.law != IncidentLaw::fixed)
+    return std::make_unique<SampleRun>(truth.stack, request_.plan, request_.law, truth.seed);
+  return std::make_unique<SampleRun>(truth.stack, request_.plan, truth.directions[direction],
+                                     truth.seed);
+}
+
+std::string SamplePieces::find(std::uint64_t piece) {
+  const auto end = std::upper_bound(ends_.begin(), ends_.end(), piece);
+  const auto direction = static_cast<std::size_t>(end - ends_.begin());
+  if (direction != direction_) {
+    run_ = run_of(direction);
+    direction_ = direction;
+  }
+  const std::uint64_t walks = request_.truth.effort.walks, step = piece_chunks(*run_);
+  const std::uint64_t at = step * (piece - (direction ? ends_[direction - 1] : 0));
+  return saved(chunks_of(*run_, walks, at, std::min(at + step, run_->chunks(walks))));
 }
 
 std::vector<SampleTotals> stream_samples(const SampleRequest& request, const RunMonitor& monitor,

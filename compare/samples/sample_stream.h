@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,8 @@
 #include "volume/walk/incident_law.h"
 
 namespace lamella {
+
+class SampleRun;
 
 /// Walks one by one, of a stack and along directions as TruthRequest has them (its walks are those
 /// per direction), or with w_i drawn by every walk.
@@ -65,6 +68,25 @@ using SampleReceiver = std::function<void(const SampleChunk&)>;
 [[nodiscard]] std::vector<SampleTotals> stream_samples(const SampleRequest& request,
                                                        const RunMonitor& monitor,
                                                        const SampleReceiver& receive);
+
+/// The pieces that stream_samples has with a keeper, found one by one in any order.
+class SamplePieces {
+ public:
+  explicit SamplePieces(const SampleRequest& request);
+  ~SamplePieces();
+
+  [[nodiscard]] std::uint64_t count() const { return ends_.back(); }
+  /// Throws as stream_samples.
+  [[nodiscard]] std::string find(std::uint64_t piece);
+
+ private:
+  [[nodiscard]] std::unique_ptr<SampleRun> run_of(std::size_t direction) const;
+
+  const SampleRequest& request_;
+  std::vector<std::uint64_t> ends_{};  // per direction, one past its last piece
+  std::unique_ptr<SampleRun> run_;     // of the direction that was asked for last
+  std::size_t direction_ = 0;
+};
 
 /// The bytes of a column, of kSampleColumns.
 [[nodiscard]] std::string_view column_bytes(const WalkSamples& samples, int column);

@@ -2,7 +2,7 @@ import os
 import pathlib
 import subprocess
 
-from lamella_program import LIMIT, PROGRAM, WITH_CERES, ProgramTest
+from lamella_program import LIMIT, PROGRAM, WITH_CERES, WITH_EMBREE, ProgramTest
 
 COMMANDS = ["", "simulate", "compare", "furnace", "samplers", "check", "fit", "invert", "eval", "tabulate", "bench", "sweep", "samples",
             "preview", "show", "rerun", "completion", "man", "explain", "models", "media", "stacks",
@@ -16,7 +16,7 @@ class ExamplesOfHelpWorkAsPrinted(ProgramTest):
         for command in COMMANDS:
             if command == "grid" and os.environ["LAMELLA_OPENVDB"] != "ON":
                 continue
-            if command == "fit" and not WITH_CERES:
+            if command == "fit" and not WITH_CERES or command in ("measure", "reproduce") and not WITH_EMBREE:
                 continue
             with self.subTest(command):
                 text = self.lamella(*command.split(), "--help").out

@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from lamella_program import WITH_CERES, ProgramTest, without
+from lamella_program import WITH_CERES, ProgramTest, check_schema, without
 
 SAND = ["--grid", "8x16"]
 
@@ -107,6 +107,29 @@ class FitsOfStacks(ProgramTest):
 
     def values(self, answer):
         return {p["name"]: p["value"] for p in answer["models"][0]["parameters"]}
+
+    def test_write_the_page_of_a_comparison(self):
+        self.write("truth.toml", self.SPHERES % ("0.8", 0.7))
+        self.write("start.toml", self.SPHERES % ("0.8", 2))
+        for how, within in ([], 1e-3), (["--walks", "4000"], 0.1):
+            answer = self.json_of("fit", "truth.toml", "--stack", "start.toml", "--vary", "layer.0.thickness=0.1:5:log",
+                                  *how, *self.SHORT, "-o", "out")
+            names = {path.name for path in (self.folder / "out").iterdir()}
+            self.assertLessEqual({"report.html", "report.json", "fit.json", "stack.toml", "summary.txt", "truth.exr",
+                                  "start.exr"}, names)
+            report = json.loads((self.folder / "out/report.json").read_text())
+            check_schema("compare", report)
+            [model] = report["models"]
+            self.assertEqual(model["parameters"], self.values(answer))
+            self.assertIsNone(model["ns_per_eval"])
+            # The orders apart, as both have them, and the same energies as those of the fit.
+            self.assertEqual({lobe["order"] for lobe in model["lobes"]}, {"1", "2", "3", "4+", "all"})
+            for lobe in model["lobes"]:
+                self.assertLess(lobe["relative_rmse_without_noise"], within, lobe["order"])
+                self.assertNotEqual(lobe["verdict"], "differs", lobe)
+            self.assertEqual((self.folder / "out/stack.toml").read_text(), answer["models"][0]["stack"])
+        self.assertIn("--pictures", self.lamella("fit", "truth.toml", "--stack", "start.toml", "--vary",
+                                                 "layer.0.thickness=0.1:5", "--pictures", "svg", status=2).err)
 
     def test_find_a_stacks_own_numbers_by_the_solver(self):
         self.write("truth.toml", self.SPHERES % ("[0.9, 0.6, 0.3]", 0.7))

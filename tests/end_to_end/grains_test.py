@@ -1,8 +1,9 @@
 """Explicit geometry through every command that takes it."""
 
 import json
+import unittest
 
-from lamella_program import WITH_CAIRO, ProgramTest
+from lamella_program import WITH_CAIRO, WITH_CERES, WITH_EMBREE, ProgramTest
 
 # Small tiles: realisations are cheap.
 BED = """
@@ -26,6 +27,18 @@ albedo = 0.2
 """
 
 
+@unittest.skipIf(WITH_EMBREE, "built with Embree")
+class WithoutEmbree(ProgramTest):
+    def test_explicit_geometry_is_refused_in_one_line(self):
+        self.write("bed.toml", BED)
+        for arguments in (["simulate", "bed.toml", "--walks", "2000"], ["measure", "bed.toml"],
+                          ["compare", "micrograins_dust", "--walks", "2000"], ["samples", "bed.toml", "-o", "a.npz"]):
+            error = self.lamella(*arguments, status=2).err
+            self.assertEqual(len(error.splitlines()), 1, error)
+            self.assertIn("LAMELLA_EMBREE=OFF", error)
+
+
+@unittest.skipUnless(WITH_EMBREE, "built without Embree")
 class ExplicitGeometry(ProgramTest):
     def setUp(self):
         super().setUp()
@@ -109,6 +122,29 @@ class ExplicitGeometry(ProgramTest):
         self.json_of("simulate", "medium.toml", "--walks", "2000", "--wi", "40", "--quiet")
         refused = self.lamella("measure", "sggx_slab", status=2).err
         self.assertIn("allowed: explicit geometry", refused)
+        self.assertIn("--fit", self.lamella("measure", "bed.toml", "--wi", "3", status=2).err)
+
+    @unittest.skipUnless(WITH_CERES, "built without Ceres")
+    def test_measure_fits_the_roughness_by_lobes(self):
+        self.write("deep.toml", BED.replace("thickness = 0.2", "thickness = 0.5").replace("[0.9, 0.6, 0.3]", "0.8"))
+        run = ["measure", "deep.toml", "--walks", "20000", "--fit", "--wi", "20", "--wi", "60", "--grid", "4x8",
+               "--quiet"]
+        answer = self.json_of(*run, "-o", "medium.toml")
+        fit = answer["fit"]
+        normals, lobes = fit["medium_by_normals"], fit["medium_by_lobes"]
+        self.assertEqual(normals["roughness"], answer["measured"]["vmf_roughness"]["value"])
+        self.assertLessEqual(lobes["relative_rmse"], normals["relative_rmse"])
+        self.assertEqual(lobes["state"], "found")
+        self.assertIn(f"roughness = {lobes['roughness']:.6}"[:18], (self.folder / "medium.toml").read_text())
+        # A bed of spheres is no medium, but near to one.
+        self.assertLess(lobes["relative_rmse_without_noise"], 0.2)
+        self.assertLess(fit["vmf_diffuse"]["relative_rmse_without_noise"], 0.25)
+        # What fit finds from the same walks: the nearest of the closed form.
+        same = self.json_of("fit", "deep.toml", "--model", "vmf_diffuse,albedo=0.8", "--walks", "20000", "--wi", "20",
+                            "--wi", "60", "--grid", "4x8", "--quiet")["models"][0]
+        self.assertAlmostEqual(same["parameters"][0]["value"], fit["vmf_diffuse"]["roughness"], places=12)
+        self.assertIn("--medium", self.lamella("measure", "deep.toml", "--fit", "--walks", "2000", "--medium",
+                                               "lambert_sphere", status=2).err)
 
     def test_reproduce_lists_prints_and_draws(self):
         names = [r["name"] for r in self.json_of("reproduce", "--quiet")["reproductions"]]

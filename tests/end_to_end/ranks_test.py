@@ -89,6 +89,145 @@ class Errors(Ranks):
                 self.assertEqual(process.stdout, "")
 
 
+class Samples(Ranks):
+    def test_are_those_of_one_process(self):
+        # Several pieces of a million walks, each direction's last one shorter.
+        for arguments in (["samples", "sggx_slab", "--wi", "60", "--wi", "10", "--walks", "1200000"],
+                          ["samples", "hg_slab", "--wi-distribution", "cosine", "--walks", "2100000"],
+                          ["samples", "coated_lambert", "--wi", "60", "--walks", "2000"]):
+            with self.subTest(arguments):
+                self.lamella(*arguments, "-o", "one.npz", "--quiet")
+                self.ranks(3, *arguments, "-o", "many.npz", "--quiet")
+                self.assertEqual(self.bytes_of("one.npz"), self.bytes_of("many.npz"))
+
+    def test_of_a_data_set_that_goes_on(self):
+        arguments = ["samples", "sggx_slab", "--per-bsdf", "--set", "layer.0.albedo=0.1:0.9:5", "--walks", "2000",
+                     "--wi", "60", "--quiet"]
+        self.lamella(*arguments, "-o", "one")
+        self.ranks(4, *arguments, "-o", "many")
+        (self.folder / "many/0002.npz").unlink()
+        self.ranks(2, *arguments, "-o", "many")
+        index = {folder: json.loads(self.bytes_of(f"{folder}/index.json")) for folder in ("one", "many")}
+        self.assertEqual(index["one"]["entries"], index["many"]["entries"])
+        self.assertEqual(len(index["one"]["entries"]), 5)
+        for entry in index["one"]["entries"]:
+            self.assertEqual(self.bytes_of("one/" + entry["file"]), self.bytes_of("many/" + entry["file"]))
+        self.assertIn("stdin", self.ranks(2, "samples", "-", "-o", "a.npz", status=2).stderr)
+
+    def test_a_folder_that_ranks_do_not_share_is_refused(self):
+        (self.folder / "other").mkdir()
+        arguments = ["samples", "sggx_slab", "--per-bsdf", "--set", "layer.0.albedo=0.1:0.9:4", "--walks", "2000",
+                     "--wi", "60", "--quiet", "-o", "set"]
+        (self.folder / "other/set").mkdir()
+        process = subprocess.run([*mpirun(1), *arguments, ":", "-n", "1", "-wdir", str(self.folder / "other"), PROGRAM,
+                                  *arguments], capture_output=True, text=True, cwd=self.folder, timeout=LIMIT,
+                                 check=False, stdin=subprocess.DEVNULL)
+        self.assertEqual(process.returncode, 2, process.stdout + process.stderr)
+        self.assertIn("allowed: a folder that all processes share", process.stderr)
+
+    def test_a_file_that_cannot_be_written_ends_all(self):
+        process = self.ranks(2, "samples", "sggx_slab", "--walks", "2000", "-o", "none/a.npz", status=2)
+        self.assertIn("cannot write none", process.stderr)
+        self.assertEqual(process.stderr.count("lamella: "), 1, process.stderr)
+
+
+class RanksThatDiffer(Ranks):
+    """Rank 1 in another folder, or with another program: the line names what differs."""
+
+    def two(self, first, second, *, program=PROGRAM, environment=()):
+        """Two ranks, each with its arguments, the second in the folder other/."""
+        (self.folder / "other").mkdir(exist_ok=True)
+        words = [*mpirun(1), *first, ":", *environment, "-n", "1", "-wdir",
+                 str(self.folder / "other"), program, *second]
+        process = subprocess.run(words, capture_output=True, text=True, cwd=self.folder, timeout=LIMIT, check=False,
+                                 stdin=subprocess.DEVNULL)
+        return process
+
+    def refused(self, part, *arguments, second=None, program=PROGRAM):
+        process = self.two(arguments, second or arguments, program=program)
+        self.assertEqual(process.returncode, 2, process.stdout + process.stderr)
+        self.assertIn("rank 1: found another run than that of rank 0: " + part, process.stderr)
+        self.assertEqual(process.stderr.count("lamella: "), 1, process.stderr)
+        self.assertEqual(process.stdout, "")
+
+    def write_both(self, name, one, other):
+        self.write(name, one)
+        (self.folder / "other").mkdir(exist_ok=True)
+        self.write("other/" + name, other)
+
+    def test_files_of_other_content(self):
+        layer = '[[layer]]\nmedium = "henyey_greenstein"\nalbedo = {}\nthickness = 1\n'
+        self.write_both("a.toml", layer.format(0.5), layer.format(0.6))
+        self.refused("its stack differs", "simulate", "a.toml", *QUICK)
+        self.refused("its stack differs", "sweep", "a.toml", "--set", "layer.0.g=0:0.5:2", *QUICK, "-o", "out")
+        self.assertFalse((self.folder / "out").exists())
+        pairs = "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.8,{}\n"
+        self.write_both("pairs.csv", pairs.format(0), pairs.format(1))
+        self.refused("its input differs", "eval", "truth", "stack=sggx_slab", "walks=2000", "--pairs", "pairs.csv")
+        plugin = pathlib.Path(os.environ["LAMELLA_PLUGINS"], "minnaert.so").read_bytes()
+        for folder, tail in (("", b""), ("other/", b"\0")):
+            (self.folder / folder).mkdir(exist_ok=True)
+            (self.folder / folder / "mine.so").write_bytes(plugin + tail)
+        self.refused("its files differs", "sweep", "sggx_slab", "--set", "layer.0.albedo=0.5,0.6", *QUICK, "--model",
+                     "./mine.so", "-o", "out")
+
+    def test_another_command_or_program(self):
+        run = ["simulate", "sggx_slab", *QUICK]
+        self.refused("its seed is 2 instead of 1", *run, second=[*run, "--seed", "2"])
+        self.refused('its command is "furnace" instead of "simulate"', *run,
+                     second=["furnace", "sggx_slab", "--walks", "2000", "--wi", "60", "--wi", "10,30"])
+        # Another build: a copy with a byte more, which runs the same.
+        other = self.folder / "lamella"
+        other.write_bytes(pathlib.Path(PROGRAM).read_bytes() + b"\0")
+        other.chmod(0o755)
+        self.refused("its program file differs", *run, program=str(other))
+
+    def test_a_rank_without_the_file_tells_so(self):
+        self.write("a.toml", '[[layer]]\nmedium = "henyey_greenstein"\nalbedo = 0.5\nthickness = 1\n')
+        arguments = ["simulate", "a.toml", *QUICK]
+        process = self.two(arguments, arguments)
+        self.assertEqual(process.returncode, 2, process.stdout + process.stderr)
+        self.assertRegex(process.stderr, "lamella: rank 1: a.toml: ")
+
+
+class FurnacesAndTruths(Ranks):
+    def test_are_those_of_one_process(self):
+        furnace = ["furnace", "sggx_slab", "--walks", "4000", "--wi", "60", "--wi", "10", "--estimator", "analog"]
+        one = self.json_of(*furnace)
+        many = json.loads(self.ranks(3, *furnace, "--json", "-").stdout)
+        self.assertEqual(without(many, TIMINGS | {"threads"}), without(one, TIMINGS | {"threads"}))
+        # A furnace that fails ends with its status under ranks, too.
+        failing = ["furnace", "coated_lambert", "--walks", "4000", "--wi", "60", "--estimator", "analog", "--quiet"]
+        self.assertEqual(self.lamella(*failing, status=1).out, self.ranks(2, *failing, status=1).stdout)
+        # More ranks than incident directions: some have nothing to do.
+        self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.8,0\n0.5,0,-0.8,0\n0.7,0,0.2,40\n")
+        for more in (["walks=2000"], ["estimator=deterministic"]):
+            arguments = ["eval", "truth", "stack=hg_slab", *more, "--pairs", "pairs.csv"]
+            self.assertEqual(self.lamella(*arguments).out, self.ranks(5, *arguments).stdout)
+            self.ranks(5, *arguments, "-o", "many.csv")
+            self.lamella(*arguments, "-o", "one.csv")
+            self.assertEqual(self.bytes_of("one.csv"), self.bytes_of("many.csv"))
+
+    def test_go_on_from_checkpoints_of_ranks_that_were_killed(self):
+        arguments = ["compare", "hg_slab", "--model", "lambert,albedo=0.3", "--walks", "1e6", "--wi", "60", "--grid",
+                     "2x4", "--isa", "scalar", "--quiet", "-o", "many", "--checkpoint", "kept", "--checkpoint-every",
+                     "0.1"]
+        with subprocess.Popen([*mpirun(2), *arguments], cwd=self.folder, stderr=subprocess.PIPE, text=True) as run:
+            deadline = time.monotonic() + LIMIT
+            while not all((self.folder / f"kept.{k}-of-2").exists() for k in (1, 2)):
+                self.assertIsNone(run.poll(), "the run ended before its checkpoints were seen")
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.01)
+            os.kill(child_with(run.pid, "OMPI_COMM_WORLD_RANK=0"), signal.SIGKILL)
+            run.communicate(timeout=LIMIT)
+        self.assertNotEqual(run.returncode, 0)
+        told = self.ranks(2, *(word for word in arguments if word != "--quiet")).stderr
+        self.assertIn("goes on from kept.1-of-2", told)
+        self.lamella(*arguments[:arguments.index("-o")], "-o", "one")
+        for name in ("truth.exr", "lambert.exr"):
+            self.assertEqual(self.bytes_of("one/" + name), self.bytes_of("many/" + name))
+
+
 class ARankThatDies(Ranks):
     def test_ends_the_run_with_a_message_and_what_was_found_is_kept(self):
         arguments = ["simulate", "hg_slab", "--walks", "1e6", "--wi", "60", "--wi", "10", "--grid", "2x4", "--isa",

@@ -2,7 +2,7 @@
 
 import unittest
 
-from lamella_program import WITH_CERES, ProgramTest
+from lamella_program import WITH_CERES, WITH_EMBREE, ProgramTest
 
 WHITE = '[[layer]]\nmedium = "henyey_greenstein"\nalbedo = 1\nthickness = inf\n'
 HALF = WHITE.replace("albedo = 1", "albedo = 0.9")
@@ -114,6 +114,7 @@ class CutWalks(ProgramTest):
         self.lamella("sweep", "white.toml", "--set", "layer.0.albedo=1", *few, "-o", "many")
 
 
+@unittest.skipUnless(WITH_EMBREE, "built without Embree")
 class SideBySide(ProgramTest):
     def test_one_pair_has_one_error_in_both_tables(self):
         answer = self.json_of("compare", "sphere_bed_dense", "--model", "lambert_sphere,albedo=0.9",

@@ -78,6 +78,21 @@ def test_a_fit_takes_lobes_and_functions(tmp_path):
 
 
 @needs_ceres
+def test_a_fitted_stack_is_reported_order_by_order(tmp_path):
+    truth = lm.Stack([lm.layer("lambert_sphere", albedo=0.8, thickness=0.7)])
+    start = lm.Stack([lm.layer("lambert_sphere", albedo=0.8, thickness=2)], name="start")
+    fits = lm.fit(truth, stack=start, vary={"layer.0.thickness": (0.1, 5, "log")}, wi=[60], grid=(2, 4))
+    assert abs(fits[0].values["layer.0.thickness"] - 0.7) < 2e-3
+    table = fits.report.table
+    assert {row["order"] for row in table} == {"1", "2", "3", "4+", "all"}
+    assert all(row["relative_rmse_without_noise"] < 1e-3 for row in table)
+    fits.save(tmp_path / "out")
+    assert lm.Stack.read(tmp_path / "out/stack.toml").text == fits[0].stack.text
+    assert {"fit.json", "report.html", "start.exr"} <= {p.name for p in (tmp_path / "out").iterdir()}
+    assert "iframe" in fits._repr_html_()
+
+
+@needs_ceres
 def test_what_a_function_raises_reaches_the_caller_of_fit():
     def wrong(wi, wo, *, a):
         raise KeyError("mine")

@@ -14,6 +14,7 @@ evaluated beside it, and a report says lobe by lobe how far they are apart, nois
     lm.samples(stack, distribution="cosine")          # walks one by one, for training
     lm.furnace(stack)
     lm.check(my_function)                             # a battery for what you write
+    lm.library("lamella-library")                     # reference lobes that were kept
     lm.fit("gold.binary", "eon,vmf_diffuse")          # the parameters that come nearest
 
 Conventions. z is up, the macroscopic normal. Directions are unit vectors that point away from the
@@ -37,6 +38,7 @@ from .furnaces import Furnace, furnace
 from .checks import Check, check
 from .catalogue import media, models, stacks
 from .headers import include_folder
+from .libraries import Library, LibraryEntry, library
 from .lobes import Energies, Lobes, StandardErrors, read
 from .models import Model
 from .reports import Report, compare
@@ -45,8 +47,8 @@ from .stacks import Stack, interface, layer, substrate
 from .truths import simulate, truth
 
 __all__ = [
-    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Lobes", "Model", "Report", "Samples",
-    "Stack", "StandardErrors", "__version__", "check", "compare", "directions", "fit", "furnace",
-    "include_folder", "interface", "layer", "media", "models", "read", "samples", "simulate",
-    "stacks", "substrate", "truth",
+    "Check", "Energies", "Family", "Fit", "Fits", "Furnace", "Library", "LibraryEntry", "Lobes",
+    "Model", "Report", "Samples", "Stack", "StandardErrors", "__version__", "check", "compare",
+    "directions", "fit", "furnace", "include_folder", "interface", "layer", "library", "media",
+    "models", "read", "samples", "simulate", "stacks", "substrate", "truth",
 ]

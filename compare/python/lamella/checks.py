@@ -5,11 +5,13 @@ from __future__ import annotations
 import html
 import json
 import os
+from collections.abc import Sequence
 from typing import Any, Optional, Union
 
 from . import _core
 from .directions import keywords
 from .fits import Family
+from .lobes import Path
 from .models import Model, ModelLike
 from .progress import shown, warn
 from .stacks import Stack, as_stack
@@ -71,7 +73,8 @@ def check(model: Union[ModelLike, Family], *, stack: Union[Stack, str, None] = N
           configurations: Optional[int] = None, samples: Optional[int] = None,
           time: Optional[float] = None, seed: Optional[int] = None,
           threads: Optional[int] = None, isa: Optional[str] = None,
-          progress: Optional[bool] = None) -> Check:
+          library: Optional[Path] = None, entries: Union[str, Sequence[str]] = (),
+          max_error: Optional[float] = None, progress: Optional[bool] = None) -> Check:
     """Values, reciprocity, batches, energy, albedo, density, samples and weights of a model, as
     `lamella check` finds them.
 
@@ -84,13 +87,19 @@ def check(model: Union[ModelLike, Family], *, stack: Union[Stack, str, None] = N
     quick: 5 configurations, 3 angles and 4000 samples: seconds.
     configurations, samples (per direction): at most; default 24 and 20000. time [s]: after which
         no further case is begun, default 60.
+    library: a folder of `lamella library build`, whose entries that the model claims are checks
+        beside the battery: the relative RMSE over the cells of all directions and both sides, the
+        noise of walks removed, may be `max_error` (default 0.1). A closed form claims the entries
+        whose stack it is made for; any model, functions among them, those in `entries`, "NAME" or
+        "NAME,key=value,..." with keys of a text or a Family.
 
     Functions are called with arrays; of the pairs that are looked at, few are asked for alone.
     """
     for option, number, least in ("configurations", configurations, 1), ("samples", samples, 256):
         if number is not None and not (number == int(number) and number >= least):
             raise ValueError(f"--{option}: found \"{number}\"; allowed: a whole number from {least}")
-    given = keywords(quick=quick or None, time=time, seed=seed, threads=threads, isa=isa)
+    given = keywords(quick=quick or None, time=time, seed=seed, threads=threads, isa=isa,
+                     max_error=max_error)
     if isinstance(model, (Model, Family)):
         what: Any = model._core
     elif isinstance(model, (str, os.PathLike)):
@@ -102,6 +111,7 @@ def check(model: Union[ModelLike, Family], *, stack: Union[Stack, str, None] = N
     found, warnings = _core.check(
         what, None if stack is None else as_stack(stack)._core, reciprocal,
         None if configurations is None else int(configurations),
-        None if samples is None else int(samples), given, shown(progress))
+        None if samples is None else int(samples), "" if library is None else os.fspath(library),
+        [entries] if isinstance(entries, str) else list(entries), given, shown(progress))
     warn(warnings, found.interrupted)
     return Check(found)

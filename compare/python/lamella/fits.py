@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import html
 import json
 import os
 import re
@@ -178,22 +177,19 @@ class Fits(Sequence):
 
     @functools.cached_property
     def report(self) -> Report:
-        """All of them judged by the target, as compare() does; of closed forms."""
-        if any("stack" in fit.answer for fit in self._fits):
-            raise ValueError("fit: the report of a stack; allowed: of closed forms, or compare() "
-                             "with .stack")
+        """All of them judged by the target, as compare() does; of a stack its lobes."""
         return Report(self._core.report())
 
     def save(self, folder: Union[str, "os.PathLike[str]"], pictures: Iterable[str] = ()) -> None:
-        """Writes the comparison as Report.save does, and fit.json."""
+        """Writes the comparison as Report.save does, fit.json, and a fitted stack as stack.toml."""
         self.report.save(folder, pictures)
+        if "stack" in self._fits[0].answer:
+            self._fits[0].stack.save(os.path.join(folder, "stack.toml"))
         with open(os.path.join(folder, "fit.json"), "w", encoding="utf-8") as file:
             json.dump(self.answer, file, indent=2)
             file.write("\n")
 
     def _repr_html_(self) -> str:
-        if any("stack" in fit.answer for fit in self._fits):
-            return f"<pre>{html.escape(str(self))}</pre>"
         return self.report._repr_html_()
 
     def __str__(self) -> str:
