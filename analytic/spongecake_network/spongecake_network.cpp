@@ -188,9 +188,9 @@ PredictedLobes SpongecakeNetwork::predict(std::span<const NetworkLayer> layers) 
   return lobes;
 }
 
-const SpongecakeNetwork& spongecake_network(int layers) {
-  static const SpongecakeNetwork one(spongecake_weights(1)), two(spongecake_weights(2));
-  return layers == 1 ? one : two;
+const SpongecakeNetwork& spongecake_network() {
+  static const SpongecakeNetwork one(spongecake_weights());
+  return one;
 }
 
 }  // namespace lamella

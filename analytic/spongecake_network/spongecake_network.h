@@ -56,10 +56,10 @@ class SpongecakeNetwork {
   std::vector<Step> steps_;
 };
 
-/// The network that is part of the program, of 1 or 2 layers.
-[[nodiscard]] const SpongecakeNetwork& spongecake_network(int layers);
+/// The network that is part of the program, of one layer.
+[[nodiscard]] const SpongecakeNetwork& spongecake_network();
 
 /// The bytes of its weights.
-[[nodiscard]] std::string_view spongecake_weights(int layers);
+[[nodiscard]] std::string_view spongecake_weights();
 
 }  // namespace lamella

@@ -144,7 +144,7 @@ Json errors_json(const LobeErrors& e) { return {{"multiple", e.multiple}, {"all"
 
 Json spongecake_accuracy(const Options& options, const RunMonitor& monitor, std::FILE* out) {
   AccuracyEnsemble ensemble;
-  if (options.quick) ensemble.one_layer = ensemble.two_layers = 8;
+  if (options.quick) ensemble.one_layer = 16;
   if (options.walks_given) ensemble.walks = options.walks;
   std::vector<SpongecakeAccuracy> rows;
   Json list = Json::array();

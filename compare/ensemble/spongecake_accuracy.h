@@ -32,7 +32,7 @@ struct SpongecakeAccuracy {
 
 /// What the measurement runs over: stacks of an ensemble whose seed is not that of the training.
 struct AccuracyEnsemble {
-  std::uint64_t one_layer = 250, two_layers = 250, walks = 65536, seed = 1000001;
+  std::uint64_t one_layer = 500, two_layers = 0, walks = 65536, seed = 1000001;
   int directions = 8;
 };
 
