@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "compare/report/wrapped_text.h"
+
 namespace lamella {
 namespace {
 
@@ -20,14 +22,16 @@ NumberRows::NumberRows(const ReproductionContext& context, std::vector<NumberCol
     : context_(context), columns_(std::move(columns)) {}
 
 int NumberRows::width(const NumberColumn& column) const {
-  return std::max({9, column.width, static_cast<int>(title_of(column).size())});
+  const int least = column.format.back() == 'e' ? 9 : 8;
+  return std::max({least, column.width, static_cast<int>(title_of(column).size())});
 }
 
 void NumberRows::header(const std::string& above) const {
-  std::string line;
+  std::string line, text = above;
+  std::replace(text.begin(), text.end(), '\n', ' ');
   for (const NumberColumn& c : columns_)
     line += fmt::format("{:>{}}", title_of(c), width(c) + (line.empty() ? 0 : 1));
-  context_.say(fmt::format("{}{}\n", above.empty() ? "" : "\n" + above + "\n", line));
+  context_.say(fmt::format("{}{}\n", above.empty() ? "" : "\n" + wrapped("", text), line));
 }
 
 void NumberRows::add(const std::vector<Value>& values) {

@@ -15,7 +15,7 @@ struct NumberColumn {
   std::string name;
   std::string format = "g";
   std::string title = "";
-  int width = 0;  ///< of text; 0: as the title needs, 9 at least
+  int width = 0;  ///< of text; 0: as the title needs, 8 at least
 };
 
 /// The rows of a figure: printed as they come, and kept for the answer. Numbers that are not finite
@@ -25,7 +25,7 @@ class NumberRows {
   using Value = std::variant<double, std::string>;
 
   NumberRows(const ReproductionContext& context, std::vector<NumberColumn> columns);
-  /// The columns' titles once more, after a line of text.
+  /// The columns' titles, after a text that is broken into lines.
   void header(const std::string& above = "") const;
   /// One value per column. Throws std::invalid_argument for another number of them.
   void add(const std::vector<Value>& values);
