@@ -9,9 +9,11 @@
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/wrapped_text.h"
-#include "compare/reproduce/reproduction.h"
+#include "compare/reproduce/reproduction_list.h"
+#include "compare/reproduce/reproduction_page.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
+#include "compare/request/stopwatch.h"
 #include "volume/grains/grain_scene.h"
 
 namespace lamella {
@@ -19,114 +21,127 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<Reproduction> with_more(std::vector<Reproduction> list,
-                                    const std::vector<Reproduction>& more) {
-  list.insert(list.end(), more.begin(), more.end());
-  return list;
+// Writes the list of what there is.
+void list_reproductions(const Options& options, std::FILE* out, Json& answer) {
+  answer["reproductions"] = Json::array();
+  for (const Reproduction& r : reproductions()) {
+    if (!options.quiet)
+      fmt::print(out, "{}{}", wrapped(fmt::format("{:<25} ", r.name), r.doc),
+                 wrapped(std::string(26, ' '), r.source));
+    answer["reproductions"].push_back({{"name", r.name}, {"doc", r.doc}, {"source", r.source}});
+  }
+}
+
+Json json_of(const std::vector<Finding>& findings) {
+  Json all = Json::array();
+  for (const Finding& f : findings)
+    all.push_back({{"paper", f.paper}, {"here", f.here}, {"agrees", f.agrees}});
+  return all;
+}
+
+// Runs one and adds its answer to `to`.
+void reproduce(const Reproduction& reproduction, const Options& options, std::FILE* out,
+               const std::string& folder, const std::vector<std::string>& pictures, Json& to) {
+  const Quality quality = quality_from_text(options.quality);
+  ReproductionContext context{
+      .seed = options.seed,
+      .stop = &user_interrupt,
+      .table = options.quiet ? nullptr : out,
+      .folder = folder,
+      .formats = picture_formats_of(pictures),
+      .walks = options.walks_given ? options.walks : reproduction.walks_of(quality),
+      .quality = quality};
+  if (context.table)
+    fmt::print(out, "{}{}\n", wrapped(reproduction.name + ": ", reproduction.source, 4),
+               wrapped("", reproduction.doc));
+  to["walks"] = context.walks;
+  const double seconds = wall_seconds_of([&] { to["rows"] = reproduction.run(context); });
+  to["findings"] = json_of(context.findings);
+  to["pictures"] = context.pictures;
+  to["seconds"] = seconds;
+  if (!context.table) return;
+  if (context.formats.empty())
+    fmt::print(out, "\n{}", absent_pictures_text());
+  else
+    fmt::print(out, "\n{}",
+               wrapped(fmt::format("wrote {}/: ", context.folder),
+                       fmt::format("{}", fmt::join(context.pictures, " ")), 4));
+}
+
+// All of them into folders of their own, and the page.
+void reproduce_all(const Options& options, std::FILE* out, const std::string& folder,
+                   const std::vector<std::string>& pictures, Json& answer) {
+  answer["reproductions"] = Json::array();
+  int agree = 0, findings = 0;
+  for (const Reproduction& r : reproductions()) {
+    Json entry{{"name", r.name}, {"doc", r.doc}, {"source", r.source}};
+    if (is_set(&user_interrupt)) {
+      entry["left_out"] = "the run was interrupted";
+    } else if (r.has_grains && !GrainScene::is_available()) {
+      entry["left_out"] = "explicit geometry needs a build with Embree";
+    } else {
+      const std::string own = folder + "/" + r.name;
+      make_output_folder(own);
+      reproduce(r, options, out, own, pictures, entry);
+      if (!options.quiet) fmt::print(out, "\n");
+      // What was cut short has no findings that count.
+      if (is_set(&user_interrupt))
+        entry = {{"name", r.name},
+                 {"doc", r.doc},
+                 {"source", r.source},
+                 {"left_out", "the run was interrupted"}};
+      else
+        for (const Json& f : entry["findings"]) {
+          agree += f["agrees"].get<bool>();
+          ++findings;
+        }
+    }
+    answer["reproductions"].push_back(std::move(entry));
+  }
+  const std::string page = folder + "/index.html";
+  write_file(page, reproduction_page(answer));
+  if (!options.quiet)
+    fmt::print(out, "{} of {} findings agree with the papers\nwrote {}\n", agree, findings, page);
 }
 
 }  // namespace
 
-const std::vector<Reproduction>& reproductions() {
-  static const std::vector<Reproduction> list = with_more(
-      {
-          {"vmf_figure_5",
-           "successively smaller spheres in a slab of one thickness, for two packings: the error "
-           "of "
-           "vmf_diffuse falls to that of the medium",
-           "d'Eon and Weidlich 2024, VMF Diffuse, figure 5", 400000, true, reproduce_vmf_figure_5},
-          {"vmf_figure_6",
-           "slices of the hemisphere, first and second bounce: a deep sphere bed, vmf_diffuse at r "
-           "= "
-           "0.4, a Beckmann height field at alpha = 1.4",
-           "d'Eon and Weidlich 2024, VMF Diffuse, figure 6", 400000, true, reproduce_vmf_figure_6},
-          {"lambert_sphere_dilute",
-           "a deep bed of Lambertian spheres approaches the Lambert-sphere medium and its BRDF as "
-           "the "
-           "volume fraction falls",
-           "d'Eon 2021, Lambert-sphere BRDF, figures 1 and 12", 1000000, true,
-           reproduce_lambert_sphere_dilute},
-          {"micrograin_figure_4", "distances to the closest grain, and the filling factor",
-           "Lucas et al. 2023, Micrograin BSDF, figure 4", 1000000, true,
-           reproduce_micrograin_figure_4},
-          {"micrograin_figure_5", "distribution of the grains' normals",
-           "Lucas et al. 2023, Micrograin BSDF, figure 5", 1000000, true,
-           reproduce_micrograin_figure_5},
-          {"micrograin_figure_9", "visible filling factor",
-           "Lucas et al. 2023, Micrograin BSDF, figure 9", 1000000, true,
-           reproduce_micrograin_figure_9},
-          {"vmf_figure_9",
-           "spheres of vMF flakes under a dielectric coat and bare, over the flakes' roughness: by "
-           "the "
-           "solver, by walks and by closed forms",
-           "d'Eon and Weidlich 2024, VMF Diffuse, figure 9", 20000, false, reproduce_vmf_figure_9},
-          {"lambert_sphere_figure_13",
-           "a rough coat over Lambert's law, Lambert spheres (the medium and its BRDF) and "
-           "Henyey-Greenstein: by the solver, by walks and by closed forms",
-           "d'Eon 2021, Lambert-sphere BRDF, figure 13", 20000, false,
-           reproduce_lambert_sphere_figure_13},
-          {"spongecake_figure_14",
-           "a half space of SGGX mirrors in single scattering, doubled, against microfacets",
-           "Wang et al. 2022, SpongeCake, figure 14", 1, false, reproduce_spongecake_figure_14},
-          {"spongecake_figure_16",
-           "sheen: a layer of SGGX fibers that stand up against Conty and Kulla's facets",
-           "Wang et al. 2022, SpongeCake, figure 16", 1, false, reproduce_spongecake_figure_16},
-      },
-      spongecake_lobe_figures());
-  return list;
-}
-
 int reproduce_command(const Options& options, const std::string& name,
                       const std::vector<std::string>& pictures) {
   std::FILE* out = table_stream(options);
-  const auto& list = reproductions();
   Json answer = json_header("reproduce", options.seed, isa_of(options));
-  if (name.empty()) {
-    answer["reproductions"] = Json::array();
-    for (const Reproduction& r : list) {
-      if (!options.quiet)
-        fmt::print(out, "{}{}", wrapped(fmt::format("{:<24} ", r.name), r.doc),
-                   wrapped(std::string(25, ' '), r.source));
-      answer["reproductions"].push_back({{"name", r.name}, {"doc", r.doc}, {"source", r.source}});
-    }
+  if (options.all_figures && !name.empty())
+    throw UsageError(fmt::format("--all: found \"{}\" beside it; allowed: a name, or --all", name));
+  if (name.empty() && !options.all_figures) {
+    list_reproductions(options, out, answer);
     write_json(answer, options.json);
     return kDone;
   }
-  const auto found =
-      std::find_if(list.begin(), list.end(), [&](const Reproduction& r) { return r.name == name; });
-  if (found == list.end()) {
-    std::vector<std::string> names;
-    for (const Reproduction& r : list) names.push_back(r.name);
-    const std::string hint = suggestion(name, names);
-    throw UsageError(fmt::format("reproduction \"{}\": unknown{}; allowed: {}", name,
-                                 hint.empty() ? "" : ", " + hint, listed(names)));
-  }
-  if (found->has_grains) GrainScene::require_available();
-  ReproductionContext context{.seed = options.seed,
-                              .stop = &user_interrupt,
-                              .table = options.quiet ? nullptr : out,
-                              .folder = options.output.empty() ? name : options.output,
-                              .formats = picture_formats_of(pictures),
-                              .walks = options.walks_given ? options.walks : found->walks};
-  make_output_folder(context.folder);
-  const FolderLock lock(context.folder);
-  if (context.table)
-    fmt::print(out, "{}{}\n", wrapped(found->name + ": ", found->source, 4),
-               wrapped("", found->doc));
-  catch_interrupts();
-  answer["name"] = name;
-  answer["source"] = found->source;
-  answer["walks"] = context.walks;
-  answer["rows"] = found->run(context);
-  answer["pictures"] = context.pictures;
-  if (context.table) {
-    if (context.formats.empty()) {
-      fmt::print(out, "\n{}", absent_pictures_text());
-    } else {
-      fmt::print(out, "\n{}",
-                 wrapped(fmt::format("wrote {}/: ", context.folder),
-                         fmt::format("{}", fmt::join(context.pictures, " ")), 4));
+  const Reproduction* found = nullptr;
+  if (!options.all_figures) {
+    found = find_reproduction(name);
+    if (!found) {
+      std::vector<std::string> names;
+      for (const Reproduction& r : reproductions()) names.push_back(r.name);
+      const std::string hint = suggestion(name, names);
+      throw UsageError(fmt::format("reproduction \"{}\": unknown{}; allowed: {}", name,
+                                   hint.empty() ? "" : ", " + hint, listed(names)));
     }
+    if (found->has_grains) GrainScene::require_available();
+  }
+  const std::string folder = !options.output.empty() ? options.output
+                             : found                 ? name
+                                                     : "lamella-reproduce";
+  make_output_folder(folder);
+  const FolderLock lock(folder);
+  catch_interrupts();
+  answer["quality"] = options.quality;
+  if (found) {
+    answer["name"] = name;
+    answer["source"] = found->source;
+    reproduce(*found, options, out, folder, pictures, answer);
+  } else {
+    reproduce_all(options, out, folder, pictures, answer);
   }
   write_json(answer, options.json);
   return kDone;

@@ -189,13 +189,23 @@ void define_grid(CommandLine& line) {
 
 void define_reproduce(CommandLine& line) {
   CLI::App& command = line.add(
-      "reproduce", "A published figure, again", "lamella reproduce micrograin_figure_9 --walks 1e5",
+      "reproduce", "Published figures, again", "lamella reproduce micrograin_figure_9 --walks 1e5",
       [&] { return reproduce_command(line.options, line.word, line.pictures); });
   command.add_option("NAME", line.word, "The figure; without: lists what there is")
       ->transform(named("a name of the list"));
-  add_walks(command, line, "Walks or rays in all");
+  command.add_flag("--all", line.options.all_figures,
+                   "All figures, and a page that shows them, index.html");
+  command
+      .add_option(
+          "--quality", line.options.quality,
+          "draft: seconds a figure, to see that it runs; quick (default): under a minute on "
+          "two cores; final: minutes")
+      ->transform(one_of({"draft", "quick", "final"}))
+      ->type_name("draft|quick|final");
+  add_walks(command, line, "Walks or rays in all (default: by the quality)");
   add_pictures(command, line);
-  add_output(command, line, "FOLDER", "Folder for the pictures (default ./NAME)");
+  add_output(command, line, "FOLDER",
+             "Folder for the pictures (default ./NAME; of all ./lamella-reproduce)");
   add_seed(command, line);
   add_threads(command, line);
   add_json(command, line);

@@ -59,7 +59,9 @@ struct Plot {
 };
 
 void draw_axes(Plot& plot, const Chart& chart) {
-  const double dx = step_of(plot.x), dy = step_of(plot.y);
+  // Of a logarithmic axis: whole decades, unless there are fewer than two.
+  const double dx = step_of(plot.x), step = step_of(plot.y);
+  const double dy = chart.log_y && plot.y.high - plot.y.low > 2 ? std::max(1.0, step) : step;
   const int bottom = kHeight - kBottom;
   for (double v = std::ceil(plot.x.low / dx - 1e-9) * dx; v <= plot.x.high + 1e-9 * dx; v += dx) {
     const int at = static_cast<int>(plot.column(v));
@@ -70,8 +72,11 @@ void draw_axes(Plot& plot, const Chart& chart) {
   for (double v = std::ceil(plot.y.low / dy - 1e-9) * dy; v <= plot.y.high + 1e-9 * dy; v += dy) {
     const int at = static_cast<int>(plot.row(v));
     plot.canvas.fill(kLeft, at, kPlotWidth, 1, kGrid);
-    plot.canvas.text(kLeft - 6, at - 6, fmt::format("{:.6g}", std::abs(v) < 1e-9 * dy ? 0 : v),
-                     Font::small, Align::right, kInk);
+    const double value = std::abs(v) < 1e-9 * dy ? 0 : v;
+    plot.canvas.text(
+        kLeft - 6, at - 6,
+        chart.log_y ? fmt::format("{:.3g}", std::pow(10, value)) : fmt::format("{:.6g}", value),
+        Font::small, Align::right, kInk);
   }
   plot.canvas.outline(kLeft, kTop, kPlotWidth, bottom - kTop, kFrame);
   plot.canvas.text(kLeft, 12, chart.title, Font::title, Align::left, kInk);
@@ -95,6 +100,15 @@ void draw_series(Plot& plot, const ChartSeries& s, Color color) {
   }
 }
 
+/// The chart of log10 of its values.
+Chart logarithms_of(Chart chart) {
+  for (ChartSeries& s : chart.series) {
+    s.error.clear();
+    for (double& y : s.y) y = y > 0 ? std::log10(y) : std::numeric_limits<double>::quiet_NaN();
+  }
+  return chart;
+}
+
 }  // namespace
 
 std::vector<Color> series_colors(const Chart& chart) {
@@ -107,8 +121,9 @@ std::vector<Color> series_colors(const Chart& chart) {
   return colors;
 }
 
-std::string draw_chart(const Chart& chart, PictureFormat format) {
+std::string draw_chart(const Chart& given, PictureFormat format) {
   Plot plot{.canvas = Canvas(kWidth, kHeight, format)};
+  const Chart chart = given.log_y ? logarithms_of(given) : given;
   for (const ChartSeries& s : chart.series) {
     if (s.x.size() != s.y.size() || (!s.error.empty() && s.error.size() != s.x.size()))
       throw std::invalid_argument("a series of a chart with columns of different lengths");
@@ -118,7 +133,7 @@ std::string draw_chart(const Chart& chart, PictureFormat format) {
       plot.y.include(s.error.empty() ? s.y[k] : s.y[k] - s.error[k]);
     }
   }
-  if (chart.from_zero) plot.y.include(0);
+  if (chart.from_zero && !chart.log_y) plot.y.include(0);
   plot.x.complete();
   plot.y.complete();
   plot.y.high += 0.04 * (plot.y.high - plot.y.low);

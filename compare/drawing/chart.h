@@ -17,12 +17,14 @@ struct ChartSeries {
   bool same_color = false;
 };
 
-/// A chart of curves over one axis, linear in both.
+/// A chart of curves over one axis.
 struct Chart {
   std::string title, subtitle;
   std::string x_label, y_label;
   std::vector<ChartSeries> series;
-  bool from_zero = true;  ///< the y axis includes 0
+  bool from_zero = true;  ///< the y axis includes 0, unless it is logarithmic
+  /// The y axis is logarithmic: values that are not positive are left out, and so are errors.
+  bool log_y = false;
 };
 
 /// The file's bytes; equal charts give equal bytes. Values that are not finite are left out. Throws

@@ -44,6 +44,8 @@ struct Options {
   std::string light = "45,45", environment = "uniform";  ///< of preview
   int size = 192;                                        ///< of preview, pixels
   bool preview = false;                                  ///< compare: with a preview
+  bool all_figures = false;                              ///< of reproduce
+  std::string quality = "quick";                         ///< of reproduce
   std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
   std::string of = "compare";                            ///< of sweep: compare or furnace
   bool per_bsdf = false;                                 ///< of samples: a file per stack

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,13 @@ struct PreviewScales {
 /// the scale.
 [[nodiscard]] std::string draw_preview(const std::string& title,
                                        const std::vector<PreviewColumn>& columns,
+                                       PictureFormat format = PictureFormat::png);
+
+/// The file's bytes: pictures of one size side by side, without differences. `white`: the luminance
+/// shown as white; nothing: the 99th percentile of all pictures.
+[[nodiscard]] std::string draw_gallery(const std::string& title,
+                                       const std::vector<PreviewColumn>& columns,
+                                       std::optional<double> white = {},
                                        PictureFormat format = PictureFormat::png);
 
 }  // namespace lamella

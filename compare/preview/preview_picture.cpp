@@ -24,10 +24,11 @@ std::uint8_t encoded(double linear) {
 }
 
 // The luminance that is shown as white.
-double white_of(const PreviewImage& truth) {
+double white_of(const std::vector<const PreviewImage*>& images) {
   std::vector<double> values;
-  for (std::size_t k = 0; k < truth.radiance.size(); ++k)
-    if (truth.covered[k]) values.push_back(luminance(truth.radiance[k]));
+  for (const PreviewImage* image : images)
+    for (std::size_t k = 0; k < image->radiance.size(); ++k)
+      if (image->covered[k]) values.push_back(luminance(image->radiance[k]));
   if (values.empty()) return 1;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(
                                        kWhitePercentile * static_cast<double>(values.size() - 1));
@@ -75,7 +76,7 @@ PreviewScales scales_of(const std::vector<PreviewColumn>& columns) {
   for (const PreviewColumn& column : columns)
     for (std::size_t k = 0; k < truth.radiance.size(); ++k)
       differences.push_back(difference_at(truth, column.image, k));
-  return {white_of(truth), signed_scale(differences)};
+  return {white_of({&truth}), signed_scale(differences)};
 }
 
 std::string picture_png(const PreviewImage& image, double white) {
@@ -122,6 +123,26 @@ std::string draw_preview(const std::string& title, const std::vector<PreviewColu
     draw_color_bar(canvas, scales.difference, kMargin + kScaleLabel, top, bar, {});
     canvas.text(kMargin, top, "luminance, model \u2212 truth", Font::small, Align::left,
                 Color{0, 0, 0});
+  }
+  return canvas.bytes();
+}
+
+std::string draw_gallery(const std::string& title, const std::vector<PreviewColumn>& columns,
+                         std::optional<double> white, PictureFormat format) {
+  Canvas::require_available();
+  const PreviewImage& first = columns.front().image;
+  const int count = static_cast<int>(columns.size());
+  const int width = std::max(320, 2 * kMargin + count * first.width + (count - 1) * kGap);
+  Canvas canvas(width, kTitle + kLabel + first.height + kMargin, format);
+  canvas.fill(0, 0, width, kTitle + kLabel + first.height + kMargin, kBackground);
+  text(canvas, kMargin, 8, title, Font::bold, width - 2 * kMargin);
+  std::vector<const PreviewImage*> images;
+  for (const PreviewColumn& column : columns) images.push_back(&column.image);
+  const double shown = white ? *white : white_of(images);
+  for (int c = 0; c < count; ++c) {
+    const int left = kMargin + c * (first.width + kGap);
+    text(canvas, left, kTitle, columns[c].name, Font::small, first.width);
+    paint_picture(canvas, left, kTitle + kLabel, columns[c].image, shown);
   }
   return canvas.bytes();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,25 @@ inline constexpr double kSphereLamp = 45;
 /// `factor`: of f.
 [[nodiscard]] PreviewColumn lit_sphere(const std::string& name, const Model& model, double factor);
 
+/// The same view with the lamp elsewhere [degrees]: 0 behind the viewer, 90 on the right, 180
+/// behind the sphere.
+[[nodiscard]] PreviewView sphere_view(double lamp_theta);
+[[nodiscard]] PreviewColumn lit_sphere(const std::string& name, const Model& model,
+                                       const PreviewView& view);
+[[nodiscard]] PreviewColumn lit_sphere(const std::string& name, const LobeTable& table,
+                                       const PreviewView& view);
+/// By any reflection.
+[[nodiscard]] PreviewColumn lit_sphere(const std::string& name, const ReflectionTowards& f,
+                                       const PreviewView& view);
+
+/// A sphere whose pixels are given by their normal, the viewer being at z.
+[[nodiscard]] PreviewColumn sphere_of(const std::string& name,
+                                      const std::function<Rgb(Direction normal)>& radiance);
+
+/// A sphere in a furnace, light of radiance 1 from everywhere: the albedo of the direction to the
+/// viewer, by cubature of the values at 128 cosines and linear between them. For reciprocal models.
+[[nodiscard]] PreviewColumn furnace_sphere(const std::string& name, const Model& model);
+
 /// How far a picture is from another, in luminance; relative to the other's root mean square.
 struct SphereDifference {
   double rmse = 0;  ///< over all pixels that the lamp lights
@@ -35,9 +55,16 @@ struct SphereLuminance {
 };
 [[nodiscard]] SphereLuminance luminance_of(const PreviewColumn& picture);
 
+/// The mean red over the mean blue of a picture.
+[[nodiscard]] double saturation(const PreviewColumn& picture);
+
 /// Writes the pictures side by side, below each its difference from the first.
 void write_spheres(ReproductionContext& context, const std::string& name, const std::string& title,
                    const std::vector<PreviewColumn>& columns);
+
+/// Writes the pictures side by side, without differences; `white` as in draw_gallery.
+void write_gallery(ReproductionContext& context, const std::string& name, const std::string& title,
+                   const std::vector<PreviewColumn>& columns, std::optional<double> white = {});
 
 /// A stack by its text, the substrate's law made. Throws StackFileError.
 [[nodiscard]] Stack figure_stack(const std::string& name, const std::string& toml);

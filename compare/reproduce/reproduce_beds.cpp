@@ -7,7 +7,8 @@
 #include "compare/drawing/chart.h"
 #include "compare/judge/projection.h"
 #include "compare/judge/side_by_side.h"
-#include "compare/reproduce/reproduction.h"
+#include "compare/reproduce/lambert_sphere_figures.h"
+#include "compare/reproduce/vmf_figures.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
 #include "phase/stack/stack_file.h"
@@ -20,8 +21,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr CellGrid kCells{8, 16, false};
-// Realisations and rays that a bed's roughness is measured with.
-constexpr std::uint64_t kRealisations = 32, kRays = 4000;
+// Realisations that a bed's roughness is measured with, and rays of each.
+std::uint64_t realisations(const ReproductionContext& context) {
+  return context.by_quality<std::uint64_t>(2, 32, 64);
+}
+constexpr std::uint64_t kRays = 4000;
 
 Stack sphere_bed(double radius, double packing, double thickness, double albedo) {
   return parse_stack(
@@ -59,7 +63,9 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
   // Deep enough: exp(-12) passes straight.
   constexpr double kAlbedo = 0.9, kRadius = 1, kDepth = 12;
   const Direction wi = direction_from_degrees(60, 0);
-  const std::vector<double> packings{1, 0.3, 0.1, 0.03, 0.01, 0.003};
+  const std::vector<double> packings = context.quality == Quality::draft
+                                           ? std::vector<double>{1, 0.1}
+                                           : std::vector<double>{1, 0.3, 0.1, 0.03, 0.01, 0.003};
   const std::uint64_t walks = std::max<std::uint64_t>(kBatches, context.walks / packings.size());
   Json rows = Json::array();
   if (context.table)
@@ -132,6 +138,13 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
       if (k < 2) series[k].error.push_back(k == 0 ? one.standard_error : all.standard_error);
     }
   }
+  if (!series[3].y.empty())
+    context.find(
+        "the appearance of the beds approaches the BRDF as they grow sparse",
+        fmt::format("relative RMSE of the BRDF from {:.1f} % at the densest to {:.1f} % at "
+                    "the sparsest",
+                    100 * series[3].y.front(), 100 * series[3].y.back()),
+        series[3].y.back() < 0.5 * series[3].y.front());
   context.write("convergence",
                 {.title = "A bed of Lambertian spheres against the Lambert-sphere medium",
                  .subtitle = "relative differences at \u03b8_i = 60\u00b0, with standard errors",
@@ -144,7 +157,9 @@ Json reproduce_lambert_sphere_dilute(ReproductionContext& context) {
 Json reproduce_vmf_figure_5(ReproductionContext& context) {
   constexpr double kAlbedo = 0.9, kThickness = 1;
   const Direction wi = direction_from_degrees(45, 0);
-  const std::vector<double> radii{0.2, 0.1, 0.05, 0.025, 0.0125};
+  const std::vector<double> radii = context.quality == Quality::draft
+                                        ? std::vector<double>{0.2, 0.05}
+                                        : std::vector<double>{0.2, 0.1, 0.05, 0.025, 0.0125};
   const std::vector<double> packings{0.8, 0.3};
   const std::uint64_t walks =
       std::max<std::uint64_t>(kBatches, context.walks / (radii.size() * packings.size()));
@@ -158,7 +173,7 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
     if (is_set(context.stop)) break;
     const Stack finest = sphere_bed(radii.back(), packing, kThickness, kAlbedo);
     const GrainMeasurement measured =
-        measure_grains(*finest.grains(), context.seed, kRealisations, kRays);
+        measure_grains(*finest.grains(), context.seed, realisations(context), kRays);
     const double r = measured.vmf.roughness.value;
     const ProjectedLobes model =
         projected(fmt::format("vmf_diffuse,roughness={},albedo={}", r, kAlbedo), nullptr, wi,
@@ -202,6 +217,13 @@ Json reproduce_vmf_figure_5(ReproductionContext& context) {
       curve.y.push_back(all.rmse);
     }
     if (context.table) fmt::print(context.table, "\n");
+    if (curve.y.size() == radii.size())
+      context.find(
+          "smaller spheres at a fixed ratio of radius to density come nearer to the BRDF, and "
+          "the finest are near",
+          fmt::format("packing {:g}: relative RMSE from {:.1f} % to {:.1f} %", packing,
+                      100 * curve.y.front(), 100 * curve.y.back()),
+          curve.y.back() < curve.y.front() && curve.y.back() < 0.15);
     chart.series.push_back(std::move(curve));
   }
   context.write("error", chart);
@@ -214,7 +236,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
   constexpr double kPacking = 2, kRadius = 1, kThickness = 40, kRoughness = 0.4, kAlpha = 1.4;
   const Stack bed = sphere_bed(kRadius, kPacking, kThickness, 1);
   const GrainMeasurement measured =
-      measure_grains(*bed.grains(), context.seed, kRealisations, kRays);
+      measure_grains(*bed.grains(), context.seed, realisations(context), kRays);
   const BoundModel vmf = bind_model(
       parse_model_request(fmt::format("vmf_diffuse,roughness={},albedo=1", kRoughness)), nullptr);
   std::optional<BoundModel> beckmann;
@@ -255,7 +277,7 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
       if (context.table)
         fmt::print(context.table, "\ntheta_i {:g}, bounce {}\n{:>8} {:>10} {:>9} {:>10} {:>10}\n",
                    theta_i, order + 1, "theta_o", "bed", "+-", "vMF", beckmann ? "Beckmann" : "");
-      double square = 0, error_vmf = 0, error_beckmann = 0, variance = 0;
+      double square = 0, error_vmf = 0, error_beckmann = 0, variance = 0, above = 0, sum = 0;
       for (std::size_t k = 0; k < points.size(); ++k) {
         const std::size_t slot = static_cast<std::size_t>(order) * points.size() + k;
         const Estimate e =
@@ -287,7 +309,19 @@ Json reproduce_vmf_figure_6(ReproductionContext& context) {
         variance += e.standard_error * e.standard_error;
         error_vmf += (f - e.value) * (f - e.value);
         error_beckmann += (g - e.value) * (g - e.value);
+        above += g - e.value;
+        sum += e.value;
       }
+      if (beckmann && order == 1)
+        context.find(
+            "at the second bounce the height field over-predicts, the porous BRDF has less "
+            "error",
+            fmt::format("theta_i {:g}: the height field is {:+.0f} % off on average; "
+                        "relative RMSE {:.1f} %, vmf_diffuse {:.1f} %",
+                        theta_i, 100 * above / sum,
+                        100 * std::sqrt(std::max(0.0, error_beckmann - variance) / square),
+                        100 * std::sqrt(std::max(0.0, error_vmf - variance) / square)),
+            above > 0 && error_vmf < error_beckmann);
       if (context.table) {
         fmt::print(context.table,
                    "relative RMSE outside of the hot spot, without noise: vMF {:.4f}",

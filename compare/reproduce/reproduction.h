@@ -12,6 +12,21 @@
 
 namespace lamella {
 
+/// How much a reproduction spends on two cores: a second or two, to see that it runs; under a
+/// minute; minutes.
+enum class Quality { draft, quick, final };
+
+[[nodiscard]] const std::vector<std::string>& quality_names();
+/// Throws std::invalid_argument for a name that is none of them.
+[[nodiscard]] Quality quality_from_text(const std::string& name);
+
+/// A statement of a paper beside what was computed about it.
+struct Finding {
+  std::string paper;  ///< what the paper says or shows
+  std::string here;   ///< what was computed
+  bool agrees;        ///< whether the second bears the first out; computed
+};
+
 /// What a reproduction of a published figure has to work with.
 struct ReproductionContext {
   std::uint64_t seed;
@@ -20,13 +35,24 @@ struct ReproductionContext {
   std::string folder;  ///< where the pictures go
   std::vector<PictureFormat> formats;
   std::vector<std::string> pictures = {};  ///< names of the files written
-  /// Walks (or rays) that are spent in all, about.
+  /// Walks (or rays, or samples) that are spent in all, about.
   std::uint64_t walks;
+  Quality quality = Quality::quick;
+  std::vector<Finding> findings = {};
 
+  /// One of three values, by the quality.
+  template <class T>
+  [[nodiscard]] T by_quality(T draft, T quick, T final) const {
+    return quality == Quality::draft ? draft : quality == Quality::quick ? quick : final;
+  }
   /// Writes NAME.png, NAME.svg, ... and adds them to `pictures`. Throws OutputError.
   void write(const std::string& name, const Chart& chart);
   /// The same of a picture by the bytes of a format.
   void write(const std::string& name, const std::function<std::string(PictureFormat)>& draw);
+  /// A line of text in the table.
+  void say(const std::string& text) const;
+  /// Keeps a finding and says it.
+  void find(const std::string& paper, const std::string& here, bool agrees);
 };
 
 /// A published figure that one command makes again.
@@ -34,27 +60,13 @@ struct Reproduction {
   std::string name;
   std::string doc;
   std::string source;
-  std::uint64_t walks;  ///< by default
+  std::uint64_t walks;  ///< at Quality::quick; 1: the figure needs none
   bool has_grains;      ///< from explicit geometry, which needs Embree
   /// Prints the table, writes the pictures, and gives the rows of the table.
   nlohmann::ordered_json (*run)(ReproductionContext& context);
+
+  /// Walks of a quality: a hundredth for a draft, ten times as many at last.
+  [[nodiscard]] std::uint64_t walks_of(Quality quality) const;
 };
-
-[[nodiscard]] const std::vector<Reproduction>& reproductions();
-
-// One per figure; sources beside their list.
-nlohmann::ordered_json reproduce_vmf_figure_5(ReproductionContext& context);
-nlohmann::ordered_json reproduce_vmf_figure_6(ReproductionContext& context);
-nlohmann::ordered_json reproduce_lambert_sphere_dilute(ReproductionContext& context);
-nlohmann::ordered_json reproduce_micrograin_figure_4(ReproductionContext& context);
-nlohmann::ordered_json reproduce_micrograin_figure_5(ReproductionContext& context);
-nlohmann::ordered_json reproduce_micrograin_figure_9(ReproductionContext& context);
-nlohmann::ordered_json reproduce_vmf_figure_9(ReproductionContext& context);
-nlohmann::ordered_json reproduce_lambert_sphere_figure_13(ReproductionContext& context);
-nlohmann::ordered_json reproduce_spongecake_figure_14(ReproductionContext& context);
-nlohmann::ordered_json reproduce_spongecake_figure_16(ReproductionContext& context);
-
-/// Lobes of multiple scattering: truth, network, fit.
-[[nodiscard]] const std::vector<Reproduction>& spongecake_lobe_figures();
 
 }  // namespace lamella

@@ -3,9 +3,78 @@
 import os
 import unittest
 
-from lamella_program import WITH_CAIRO, ProgramTest
+from lamella_program import WITH_CAIRO, ProgramTest, check_schema
 
 in_soak = unittest.skipUnless("LAMELLA_SOAK" in os.environ, "a minute and more of solver: in the soak")
+
+
+# Figures that take more than five seconds of a core even as drafts: tables of whole BRDFs by the
+# solver, beds of small spheres. The soak runs them.
+SLOW = {"vmf_figure_1", "vmf_figure_2", "vmf_figure_5", "vmf_figure_6", "vmf_figure_9",
+        "lambert_sphere_figure_11", "lambert_sphere_figure_13", "spongecake_figure_16"}
+
+# Those without pictures.
+TABLES = {"eon_table_1", "spongecake_figure_7"}
+
+# Findings that hold at any size, by figure: words of the paper's statement, and whether they agree.
+CERTAIN = {
+    "eon_figure_3": [("most prominent in the grazing", True), ("gain energy", True)],
+    "eon_figure_6": [("eqs. 5 and 8", True), ("exceeds 1 at grazing angles and high sigma", False)],
+    "eon_figure_7": [("eqs. 12 and 13", True), ("eq. 14 differs by less", True)],
+    "eon_figure_9": [("passes the white furnace", True)],
+    "eon_figure_10": [("white EON times the colour", True)],
+    "eon_figure_11": [("slight bias", True), ("wastes samples", True)],
+    "eon_figure_13": [("at r = 0 both", True)],
+    "lambert_sphere_figure_3": [("mode 2 of multiple scattering", True)],
+    "lambert_sphere_figure_4": [("very accurate", True)],
+    "lambert_sphere_figure_6": [("fits follow", True)],
+    "lambert_sphere_figure_7": [("Hapke's model underpredicts", True)],
+    "micrograin_figure_10": [("n = 20", True), ("conservative", True)],
+    "micrograin_figure_11": [("equal at theta_i", True)],
+    "micrograin_figure_14": [("share of the area", True)],
+    "spongecake_figure_15": [("black spots", True)],
+}
+
+
+class EveryFigure(ProgramTest):
+    def check(self, name, answer, folder):
+        self.assertTrue(answer["rows"], name)
+        self.assertTrue(answer["findings"], name)
+        self.assertEqual(bool(answer["pictures"]), WITH_CAIRO and name not in TABLES, name)
+        for picture in answer["pictures"]:
+            self.assertTrue((folder / picture).read_bytes().startswith(b"\x89PNG"), picture)
+        for words, agrees in CERTAIN.get(name, []):
+            found = [f for f in answer["findings"] if words in f["paper"]]
+            self.assertEqual([f["agrees"] for f in found], [agrees], f"{name}: {words}: {found}")
+
+    def test_runs_as_a_draft_and_tells_what_agrees(self):
+        for figure in self.json_of("reproduce", "--quiet")["reproductions"]:
+            name = figure["name"]
+            if name in SLOW:
+                continue
+            with self.subTest(name):
+                run = self.run_program("reproduce", name, "--quality", "draft", "--quiet", "-o", name,
+                                       "--json", "-")
+                if run.status == 2 and "Embree" in run.err:
+                    continue
+                self.assertEqual(run.status, 0, str(run))
+                check_schema("reproduce", run.json())
+                self.check(name, run.json(), self.folder / name)
+
+    @in_soak
+    def test_all_make_one_page(self):
+        answer = self.json_of("reproduce", "--all", "--quality", "draft", "--quiet", "-o", "all")
+        page = (self.folder / "all" / "index.html").read_text()
+        for figure in answer["reproductions"]:
+            name = figure["name"]
+            self.assertIn(f'<h2 id="{name}">', page)
+            if "left_out" not in figure:
+                self.check(name, figure, self.folder / "all" / name)
+                for picture in figure["pictures"]:
+                    self.assertIn(f'src="{name}/{picture}"', page)
+
+    def test_a_name_and_all_are_refused_together(self):
+        self.assertIn("--all", self.lamella("reproduce", "--all", "eon_figure_3", status=2).err)
 
 
 class FiguresOfSurfaces(ProgramTest):

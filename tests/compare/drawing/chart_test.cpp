@@ -59,6 +59,23 @@ TEST(Chart, DrawsASeriesInItsColour) {
   EXPECT_EQ(pixels_of(with, series_colors(pairs(2))[2]), 0);
 }
 
+TEST(Chart, WithALogarithmicAxisPutsValuesWhereTheirLogarithmsWouldBe) {
+  Chart linear{.title = "x", .subtitle = "", .x_label = "x", .y_label = "y", .series = {}};
+  linear.series.push_back({.label = "a", .x = {0, 1, 2}, .y = {-1, 0.5, 2}});
+  linear.from_zero = false;
+  Chart logarithmic = linear;
+  for (double& y : logarithmic.series[0].y) y = std::pow(10, y);
+  // Values without a logarithm are left out.
+  logarithmic.series[0].x.push_back(2);
+  logarithmic.series[0].y.push_back(0);
+  logarithmic.log_y = true;
+  const Decoded a(draw_chart(linear)), b(draw_chart(logarithmic));
+  const Color color = series_colors(linear)[0];
+  const int pixels = pixels_of(a, color);
+  EXPECT_GT(pixels, 300);
+  EXPECT_EQ(pixels_of(b, color), pixels);
+}
+
 TEST(Chart, IsWrittenAsPngSvgOrPdfWithEqualBytesForEqualCharts) {
   const std::vector<std::pair<PictureFormat, std::string>> starts = {
       {PictureFormat::png, "\x89PNG\r\n\x1a\n"},

@@ -1,0 +1,114 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analytic/half_space/lambert_sphere_formula.h"
+#include "analytic/half_space/lambert_sphere_models.h"
+#include "compare/reproduce/lambert_sphere_figures.h"
+#include "compare/reproduce/number_rows.h"
+
+namespace lamella {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Constants by name: the exact ones, and their fits, of one albedo.
+struct Constant {
+  const char* name;
+  double exact, fit;
+};
+
+// Draws the constants over the albedo and gives the largest distance of each from its fit.
+std::vector<double> draw_constants(ReproductionContext& context, NumberRows& rows,
+                                   const std::string& picture, const std::string& title,
+                                   std::vector<Constant> (*constants)(double albedo)) {
+  Chart chart{.title = title,
+              .subtitle = "dots: exact; lines: fits of the paper",
+              .x_label = "albedo c",
+              .y_label = "constant",
+              .series = {}};
+  for (const Constant& c : constants(0.5)) {
+    chart.series.push_back({.label = c.name, .x = {}, .y = {}});
+    chart.series.push_back({.label = "", .x = {}, .y = {}, .dots = true, .same_color = true});
+  }
+  std::vector<double> largest(chart.series.size() / 2);
+  const int steps = context.by_quality(10, 50, 200);
+  for (int k = 1; k <= steps; ++k) {
+    const double albedo = k / static_cast<double>(steps);
+    const std::vector<Constant> now = constants(albedo);
+    std::vector<NumberRows::Value> row{albedo};
+    for (std::size_t n = 0; n < now.size(); ++n) {
+      chart.series[2 * n].x.push_back(albedo);
+      chart.series[2 * n].y.push_back(now[n].fit);
+      if (k % std::max(1, steps / 25) == 0) {
+        chart.series[2 * n + 1].x.push_back(albedo);
+        chart.series[2 * n + 1].y.push_back(now[n].exact);
+      }
+      largest[n] = std::max(largest[n], std::abs(now[n].fit - now[n].exact));
+      row.insert(row.end(), {now[n].exact, now[n].fit});
+    }
+    if (k % std::max(1, steps / 10) == 0) rows.add(row);
+  }
+  context.write(picture, chart);
+  return largest;
+}
+
+std::vector<Constant> mode_1_constants(double c) {
+  const ThreeTermHalfSpace exact(lambert_sphere_phase_terms(c));
+  // n = l^2 + 45 m / 64 (eq. 27); the fits are eqs. 31 and 32.
+  const double l = exact.l(), m = (exact.n() - l * l) * 64 / 45;
+  return {{"l", l, -0.00473696 * c * c - 0.0589037 * c}, {"m", m, 0.44038 * c + 1}};
+}
+
+std::vector<Constant> mode_0_constants(double c) {
+  // Twice those of eq. 36.
+  const std::array<double, 6> exact =
+      ThreeTermHalfSpace(lambert_sphere_phase_terms(c)).mode_0_constants();
+  const auto fit = lambert_sphere_formula(Rgb(c)).channels[0];
+  return {{"B", exact[1] / 2, fit.b},
+          {"C", exact[2] / 2, fit.c},
+          {"D", exact[3] / 2, fit.d},
+          {"F", exact[5] / 2, fit.f}};
+}
+
+}  // namespace
+
+Json reproduce_lambert_sphere_figure_4(ReproductionContext& context) {
+  NumberRows rows(context, {{"albedo", "g"},
+                            {"l", ".6f"},
+                            {"l_fit", ".6f", "fit"},
+                            {"m", ".6f"},
+                            {"m_fit", ".6f", "fit"}});
+  rows.header("the constants of eq. 27 from the moments of H1, and the fits of eqs. 31 and 32");
+  const std::vector<double> largest =
+      draw_constants(context, rows, "constants", "Constants of mode 1", mode_1_constants);
+  context.find("simple approximations are very accurate",
+               fmt::format("l is off by {:.1e}, m by {:.1e} at most", largest[0], largest[1]),
+               largest[0] < 2e-3 && largest[1] < 0.02);
+  return rows.rows();
+}
+
+Json reproduce_lambert_sphere_figure_6(ReproductionContext& context) {
+  NumberRows rows(context, {{"albedo", "g"},
+                            {"B", ".6f"},
+                            {"B_fit", ".6f", "fit"},
+                            {"C", ".6f"},
+                            {"C_fit", ".6f", "fit"},
+                            {"D", ".6f"},
+                            {"D_fit", ".6f", "fit"},
+                            {"F", ".6f"},
+                            {"F_fit", ".6f", "fit"}});
+  rows.header("the constants of eq. 36, exact, and the fits of eqs. 39 to 42");
+  const std::vector<double> largest =
+      draw_constants(context, rows, "constants", "Constants of mode 0", mode_0_constants);
+  context.find("the fits follow the exact constants",
+               fmt::format("largest distances {:.1e}, {:.1e}, {:.1e}, {:.1e} of B, C, D, F",
+                           largest[0], largest[1], largest[2], largest[3]),
+               *std::max_element(largest.begin(), largest.end()) < 5e-3);
+  return rows.rows();
+}
+
+}  // namespace lamella

@@ -1,0 +1,62 @@
+#include "compare/reproduce/number_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "compare/report/wrapped_text.h"
+
+namespace lamella {
+namespace {
+
+const std::string& title_of(const NumberColumn& column) {
+  return column.title.empty() ? column.name : column.title;
+}
+
+}  // namespace
+
+NumberRows::NumberRows(const ReproductionContext& context, std::vector<NumberColumn> columns)
+    : context_(context), columns_(std::move(columns)) {}
+
+int NumberRows::width(const NumberColumn& column) const {
+  const int least = column.format.back() == 'e' ? 9 : 8;
+  return std::max({least, column.width, static_cast<int>(title_of(column).size())});
+}
+
+void NumberRows::header(const std::string& above) const {
+  std::string line, text = above;
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  for (const NumberColumn& c : columns_)
+    line += fmt::format("{:>{}}", title_of(c), width(c) + (line.empty() ? 0 : 1));
+  context_.say(fmt::format("{}{}\n", above.empty() ? "" : "\n" + wrapped("", text), line));
+}
+
+void NumberRows::add(const std::vector<Value>& values) {
+  if (values.size() != columns_.size())
+    throw std::invalid_argument("a row of a figure with another number of columns");
+  nlohmann::ordered_json row;
+  std::string line;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const NumberColumn& c = columns_[k];
+    const int wide = width(c) + (line.empty() ? 0 : 1);
+    if (const auto* number = std::get_if<double>(&values[k])) {
+      line +=
+          fmt::format("{:>{}}", fmt::format(fmt::runtime("{:" + c.format + "}"), *number), wide);
+      if (std::isfinite(*number))
+        row[c.name] = *number;
+      else
+        row[c.name] = nullptr;
+    } else {
+      const std::string& text = std::get<std::string>(values[k]);
+      line += fmt::format("{:>{}}", text, wide);
+      row[c.name] = text;
+    }
+  }
+  context_.say(line + "\n");
+  rows_.push_back(std::move(row));
+}
+
+}  // namespace lamella
