@@ -188,12 +188,6 @@ Json reproduce_eon_figure_3(ReproductionContext& context) {
     context.write(fmt::format("theta_{:g}", theta_i), chart);
   }
 
-  context.say(
-      "albedo 0.8, sigma = pi / 4 or r = 1/2; against the full model over all pairs of directions, "
-      "each\nwith the same projected solid angle: relative RMSE; the same at the best common "
-      "factor (shape);\nshare of the pairs where a model is brighter; mean difference where the "
-      "azimuths differ by more\nthan 90 degrees; reflected under uniform light; largest "
-      "directional albedo over sigma or r at albedo 1\n");
   NumberRows rows(context, {{"model", "", "", 14},
                             {"relative_rmse", ".4f", "RMSE"},
                             {"shape", ".4f"},
@@ -201,7 +195,12 @@ Json reproduce_eon_figure_3(ReproductionContext& context) {
                             {"backlit", "+.4f"},
                             {"reflected", ".4f"},
                             {"largest_albedo", ".4f", "most"}});
-  rows.header();
+  rows.header(
+      "albedo 0.8, sigma = pi / 4 or r = 1/2; against the full model over all pairs of directions, "
+      "each\nwith the same projected solid angle: relative RMSE; the same at the best common "
+      "factor (shape);\nshare of the pairs where a model is brighter; mean difference where the "
+      "azimuths differ by more\nthan 90 degrees; reflected under uniform light; largest "
+      "directional albedo over sigma or r at albedo 1");
   const int cosines = context.by_quality(8, 24, 48);
   std::vector<Distance> distances;
   std::vector<double> reflected, largest;
