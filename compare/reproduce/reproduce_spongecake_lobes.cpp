@@ -11,7 +11,7 @@
 #include "compare/ensemble/stack_ensemble.h"
 #include "compare/fit/least_squares.h"
 #include "compare/reproduce/lobe_matrix.h"
-#include "compare/reproduce/reproduction.h"
+#include "compare/reproduce/spongecake_lobe_figures.h"
 #include "compare/request/percent.h"
 #include "phase/math/luminance.h"
 
@@ -135,6 +135,7 @@ Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases
                "{:<36} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n",
                walks, kGrid.cells(), "layers: kind, roughness, thickness", "2+ share", "2+ lobes",
                "2+ fit", "all none", "all lobes", "noise");
+  double most_without = 0, most_with = 0;
   for (std::size_t n = 0; n < cases.size() && !is_set(context.stop); ++n) {
     const Case& one = cases[n];
     const MultipleLobes lobes = matrix_truth(one.stack, walks, context.seed + (n << 32));
@@ -146,6 +147,8 @@ Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases
         best && !why_no_network(one.stack).empty() ? *best : predicted_lobes(one.stack);
     const LobeErrors none = trial.errors_of(std::nullopt), network = trial.errors_of(predicted);
     const double fit = best ? trial.errors_of(*best).multiple : 0;
+    most_without = std::max(most_without, none.all);
+    most_with = std::max(most_with, network.all);
     if (context.table)
       fmt::print(context.table, "{:<36} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", one.name,
                  percent_cell(trial.multiple_share()), percent_cell(network.multiple),
@@ -175,6 +178,13 @@ Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases
                   [&](PictureFormat format) { return draw_lobe_matrix(matrix, format); });
     write_lobes(context, one.name, truth, model);
   }
+  // Close: a tenth of f, root mean square.
+  if (!is_set(context.stop))
+    context.find(
+        "with two further lobes SpongeCake comes close to the reference",
+        fmt::format("all orders are off by at most {} (relative RMSE), without lobes by {}",
+                    percent_cell(most_with), percent_cell(most_without)),
+        most_with < 0.1 && most_with < most_without);
   return rows;
 }
 
@@ -238,7 +248,15 @@ Json figure_22(ReproductionContext& context) {
   std::vector<Case> cases;
   for (const double roughness : {0.05, 0.1, 0.3, 1.0})
     cases.push_back(case_of({layer_of(true, roughness, 1, Rgb(0.9))}));
-  return lobes_of_cases(context, cases, false);
+  Json rows = lobes_of_cases(context, cases, false);
+  if (is_set(context.stop) || !has_least_squares()) return rows;
+  const double sharp = rows.front()["fit"]["multiple"], smooth = rows.back()["fit"]["multiple"];
+  context.find(
+      "two lobes cannot describe multiple scattering among fibers of low roughness",
+      fmt::format("the best fit of orders 2 and up is off by {} at roughness 0.05, by {} at 1",
+                  percent_cell(sharp), percent_cell(smooth)),
+      sharp > 2 * smooth);
+  return rows;
 }
 
 // Energy of f over cells of equal projected solid angle, both sides.
@@ -297,6 +315,23 @@ Json figure_21(ReproductionContext& context) {
                     {"standard_error", error}});
   }
   context.write("furnace", chart);
+  if (is_set(context.stop)) return rows;
+  double truth_off = 0, lobes_off = 0, most_single = 0;
+  for (const Json& row : rows) {
+    const double truth = row["truth"];
+    truth_off = std::max(truth_off, std::abs(truth - 1) / row["standard_error"].get<double>());
+    lobes_off = std::max(lobes_off, std::abs(row["lobes"].get<double>() - truth));
+    most_single = std::max(most_single, row["single"].get<double>());
+  }
+  context.find("the reference keeps the energy of a white stack",
+               fmt::format("the truth is within {:.1f} standard errors of 1", truth_off),
+               truth_off < 5);
+  context.find(
+      "single scattering loses much of the energy and the lobes bring most of it back",
+      fmt::format("single scattering leaves at most {:.3f}; with lobes the energy is within "
+                  "{:.3f} of the truth's",
+                  most_single, lobes_off),
+      lobes_off < 1 - most_single);
   return rows;
 }
 
