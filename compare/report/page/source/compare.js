@@ -273,7 +273,8 @@ export function compare(page, answer, details) {
     albedoFigure.querySelector("figcaption .quiet")?.remove();
     albedoFigure.querySelector("figcaption").append(element("span", {class: "quiet"}, text));
     const energy = (r) => {
-      const side = r[ledgerSide[state.side]], part = state.order === "all" ? side : side.orders[state.order];
+      const side = r[ledgerSide[state.side]];
+      const part = state.order === "all" ? side : state.order === "2+" ? side.multiple : side.orders[state.order];
       return [Math.abs(r.mu_i), ofChannel(part.total), ofChannel(part.standard_error)];
     };
     const points = runs.map(energy).sort((a, b) => a[0] - b[0]);
