@@ -104,9 +104,11 @@ export function bench(page, answer) {
     return ({seriesIndex, labelRect: r}) => {
       if (placed.has(seriesIndex)) placed.clear();
       const dx = r.x + r.width > width - 4 ? -r.width - 26 : 0;
-      const steps = Array.from({length: 40}, (_, k) => (k % 2 ? 1 : -1) * (11 + Math.floor(k / 2) * 4)).filter((dy) => r.y + dy > 2);
+      const steps = Array.from({length: 80}, (_, k) => (k % 2 ? 1 : -1) * (11 + Math.floor(k / 2) * 4)).filter((dy) => r.y + dy > 2);
       const at = (dy) => ({x: r.x + dx, y: r.y + dy, width: r.width, height: r.height});
-      const dy = steps.find((d) => ![...placed.values(), ...marks].some((b) => meet(at(d), b))) ?? 0;
+      // Where there is no room beside all points, at least beside other labels.
+      const free = (taken) => steps.find((d) => !taken.some((b) => meet(at(d), b)));
+      const labels = [...placed.values()], dy = free([...labels, ...marks]) ?? free(labels) ?? 0;
       placed.set(seriesIndex, at(dy));
       return {dx, dy};
     };
