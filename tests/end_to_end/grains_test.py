@@ -156,7 +156,7 @@ class ExplicitGeometry(ProgramTest):
             self.assertTrue((self.folder / "figure" / picture).read_bytes().startswith(b"\x89PNG"))
         zs = [row["z"] for row in answer["rows"]]
         self.assertLess(sum(z * z for z in zs) / len(zs), 2)
-        self.assertIn("did you mean", self.lamella("reproduce", "vmf_figure_7", status=2).err)
+        self.assertIn("did you mean", self.lamella("reproduce", "vmf_figur_7", status=2).err)
 
     def test_explain_says_what_is_traced(self):
         plan = self.json_of("explain", "bed.toml", "--quiet")["plan"]
