@@ -8,10 +8,12 @@ from lamella_program import WITH_CAIRO, ProgramTest, check_schema
 in_soak = unittest.skipUnless("LAMELLA_SOAK" in os.environ, "a minute and more of solver: in the soak")
 
 
-# Figures that take more than five seconds of a core even as drafts: tables of whole BRDFs by the
-# solver, beds of small spheres. The soak runs them.
+# Figures that take more than seven seconds of a core even as drafts: tables of whole BRDFs by the
+# solver, beds of small spheres, lobes of several stacks that are fitted. The soak runs them.
 SLOW = {"vmf_figure_1", "vmf_figure_2", "vmf_figure_5", "vmf_figure_6", "vmf_figure_9",
-        "lambert_sphere_figure_11", "lambert_sphere_figure_13", "spongecake_figure_16"}
+        "lambert_sphere_figure_11", "lambert_sphere_figure_13", "spongecake_figure_8",
+        "spongecake_figure_9", "spongecake_figure_11", "spongecake_figure_12", "spongecake_figure_13",
+        "spongecake_figure_16", "spongecake_figure_20", "spongecake_figure_22"}
 
 # Those without pictures.
 TABLES = {"eon_table_1", "spongecake_figure_7"}
