@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "analytic/layered/spongecake.h"
 #include "compare/command/accuracy_commands.h"
 #include "compare/command/command.h"
 #include "compare/ensemble/spongecake_accuracy.h"
@@ -12,6 +13,7 @@
 #include "compare/report/json_report.h"
 #include "compare/request/percent.h"
 #include "compare/request/run_monitor.h"
+#include "compare/request/stopwatch.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
@@ -187,6 +189,11 @@ Json spongecake_accuracy(const Options& options, const RunMonitor& monitor, std:
     if (fits)
       print_worst(out, "Where the form of two lobes is worst", all,
                   [](const SpongecakeAccuracy& r) { return fit_of(r, &LobeErrors::multiple); });
+    const double seconds = wall_seconds_of([&] {
+      for (const SpongecakeAccuracy* row : all) (void)predicted_lobes(row->stack);
+    });
+    fmt::print(out, "\nthe network predicts a stack's lobes in {:.0f} microseconds\n",
+               1e6 * seconds / static_cast<double>(all.size()));
   }
   return list;
 }

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -184,25 +183,6 @@ TEST(SpongecakeNetwork, RefusesFilesThatAreNone) {
   }
   EXPECT_THROW((void)spongecake_network().predict(std::vector<NetworkLayer>(2)),
                std::invalid_argument);
-}
-
-// The bound of the documentation, by processor time; the least of some tries, as other work may be
-// under way.
-TEST(SpongecakeNetwork, TakesLessThanATenthOfAMillisecond) {
-  RandomStream stream(5, 0, StreamPurpose::test);
-  const std::vector<NetworkLayer> layers = random_layers(1, stream);
-  const SpongecakeNetwork& network = spongecake_network();
-  double least = 1, sum = 0;
-  for (int n = 0; n < 50; ++n) {
-    const std::clock_t start = std::clock();
-    for (int k = 0; k < 20; ++k) sum += network.predict(layers).reflect.r;
-    least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / 20);
-  }
-  EXPECT_GT(sum, 0);
-  std::printf("a prediction takes %.1f microseconds\n", 1e6 * least);
-#ifdef __OPTIMIZE__
-  EXPECT_LT(least, 1e-4);
-#endif
 }
 
 }  // namespace
