@@ -11,9 +11,8 @@
 namespace lamella {
 namespace {
 
-// Panels in mu that hold whole rows of cells, and how many points the first round gives each: many
-// rows from one panel's points are less certain than few.
-constexpr int kFewestPanels = 4, kMostPanels = 16, kRowsPerPanel = 4, kPoints = 12, kMaxPoints = 48;
+// Panels in mu that hold whole rows of cells, and how many points the first round gives each.
+constexpr int kPanels = 16, kPoints = 6, kMaxPoints = 48;
 // Powers of t that make f smooth where it is steep, and where it behaves like a root.
 constexpr int kSteepPower = 3, kRootPower = 4;
 
@@ -113,8 +112,7 @@ std::vector<RowSampler::Panel> RowSampler::Panel::make(const CellGrid& grid,
   for (const double mu : edges.steep) steep.push_back(std::asin(mu));
   for (const double mu : edges.root) roots.push_back(std::asin(mu));
   steep.insert(steep.end(), roots.begin(), roots.end());
-  const int count =
-      std::clamp(grid.rows() / kRowsPerPanel, std::min(grid.rows(), kFewestPanels), kMostPanels);
+  const int count = std::min(grid.rows(), kPanels);
   for (int p = 0; p <= count; ++p) ends.push_back(std::asin(grid.edge_mu(p * grid.rows() / count)));
   for (const double e : steep) ends.push_back(e);
   std::sort(ends.begin(), ends.end());
