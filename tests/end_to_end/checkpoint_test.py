@@ -3,12 +3,11 @@
 import os
 import pathlib
 import random
-import resource
 import signal
 import subprocess
 import time
 
-from lamella_program import LIMIT, PROGRAM, Answer, ProgramTest, wait_until_listening
+from lamella_program import PROGRAM, Answer, ProgramTest, wait_until_listening
 
 def run_of(walks):
     return ["simulate", "spongecake_plant", "--grid", "4x8", "--wi", "10", "--wi", "60", "--walks", walks,
@@ -143,15 +142,6 @@ class ARunGoesOn(ProgramTest):
 
 
 class WhatCannotBeWritten(ProgramTest):
-    def limited(self, size, *arguments):
-        """A run that can write files of that size only: a full disk, a short write."""
-        def limit():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        process = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, cwd=self.folder,
-                                 timeout=LIMIT, check=False, preexec_fn=limit)
-        return Answer(arguments, process, process.stdout, process.stderr)
-
     def test_a_full_disk_leaves_the_last_checkpoint_whole(self):
         self.lamella(*RUN, "-o", "whole.exr")
         self.interrupted(*RUN, *OFTEN, "-o", "out.exr", seconds=0.2)

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import tempfile
@@ -51,6 +52,15 @@ class ProgramTest(unittest.TestCase):
     def run_program(self, *arguments, stdin=""):
         process = subprocess.run([PROGRAM, *arguments], input=stdin, capture_output=True, text=True,
                                  cwd=self.folder, timeout=LIMIT, check=False)
+        return Answer(arguments, process, process.stdout, process.stderr)
+
+    def limited(self, size, *arguments):
+        """A run that can write files of that size only: a full disk, a short write."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        process = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, cwd=self.folder,
+                                 timeout=LIMIT, check=False, preexec_fn=limit)
         return Answer(arguments, process, process.stdout, process.stderr)
 
     def lamella(self, *arguments, stdin="", status=0):

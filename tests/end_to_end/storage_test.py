@@ -3,12 +3,10 @@
 import hashlib
 import json
 import pathlib
-import resource
-import signal
 import subprocess
 import time
 
-from lamella_program import LIMIT, PROGRAM, Answer, ProgramTest
+from lamella_program import PROGRAM, ProgramTest
 
 FEW = ["--walks", "2000", "--wi", "60", "--quiet"]
 # By name: the command, and what its -o or folder is called.
@@ -42,15 +40,6 @@ def contents(place):
 
 
 class Storage(ProgramTest):
-    def limited(self, size, *arguments):
-        """A run that can write files of that size only: a full disk, a short write."""
-        def limit():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        process = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, cwd=self.folder,
-                                 timeout=LIMIT, check=False, preexec_fn=limit)
-        return Answer(arguments, process, process.stdout, process.stderr)
-
     def clear(self):
         for path in sorted(self.folder.rglob("*"), reverse=True):
             path.rmdir() if path.is_dir() else path.unlink()
