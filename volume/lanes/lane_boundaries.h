@@ -117,25 +117,64 @@ struct BoundaryEnds {
   MaskOf<Real> lost, out, cut;
 };
 
+/// Where light comes from that meets an interface.
+enum class InterfaceSide { above, below, any };
+
+/// What meet() knows of the boundaries when it is compiled: nothing.
+struct AnyBoundaries {
+  static constexpr bool kOne = false;
+  static constexpr InterfaceSide kFrom = InterfaceSide::any;
+  bool smooth, rough, ggx, beckmann, beta, separable;
+  template <class Scalar>
+  explicit AnyBoundaries(const BoundaryNumbers<Scalar>& b)
+      : smooth(b.smooth),
+        rough(b.rough),
+        ggx(b.ggx),
+        beckmann(b.beckmann),
+        beta(b.beta),
+        separable(b.separable) {}
+};
+
+/// One GGX interface above everything else, with Masking::beta or Masking::correlated. Its meetings
+/// leave layer, y and met of walks to who calls.
+template <InterfaceSide kSide, bool kBeta>
+struct OneGgxBoundary {
+  static constexpr bool kOne = true, smooth = false, rough = true, ggx = true, beckmann = false,
+                        beta = kBeta, separable = false;
+  static constexpr InterfaceSide kFrom = kSide;
+  static constexpr int kWords = kBeta ? kGgxWords : kGgxWords - 1;
+  template <class Scalar>
+  explicit OneGgxBoundary(const BoundaryNumbers<Scalar>&) {}
+  template <class Scalar>
+  [[nodiscard]] static bool describes(const BoundaryNumbers<Scalar>& b) {
+    return b.only == 0 && b.ggx && b.beta == kBeta && !b.separable && b.words == kWords;
+  }
+};
+template <InterfaceSide kSide>
+using BetaGgx = OneGgxBoundary<kSide, true>;
+template <InterfaceSide kSide>
+using CorrelatedGgx = OneGgxBoundary<kSide, false>;
+
 /// Whether facets let light pass that one of them has sent on. The chances are 1 / (1 + c), c = L_o
 /// / (1 + L_i), or L_o with Masking::separable: one uniform number tells. With Masking::beta
 /// somewhere two exponential numbers do, whose laws are those of Smith's heights: of light from w_i
 /// the facet is met at a height with cumulative u, density a u^(a - 1), a = 1 + L_i; from there
 /// light reaches the outside along w_o above with the chance u^L_o, below the surface with (1 -
 /// u)^L_o. The means are the masking functions of Masking::beta.
-template <class Real>
-[[nodiscard]] LAMELLA_INLINE MaskOf<Real> passes_facets(
-    const BoundaryNumbers<typename NumberTraits<Real>::Scalar>& b, Real masking, MaskOf<Real> below,
-    Real wi_z, Real seen, Real wo_z, Real hidden, const WordsOf<Real>* words) {
+template <class Real, class Kind>
+[[nodiscard]] LAMELLA_INLINE MaskOf<Real> passes_facets(const Kind& kind, Real masking,
+                                                        MaskOf<Real> below, Real wi_z, Real seen,
+                                                        Real wo_z, Real hidden,
+                                                        const WordsOf<Real>* words) {
   using std::exp;
   // c = hides / shows
   Real shows = seen * wo_z, hides = hidden * wi_z;
-  if (b.separable) {
+  if (kind.separable) {
     const auto apart = masking > Real(1.5);
     shows = select(apart, wo_z, shows);
     hides = select(apart, hidden, hides);
   }
-  if (!b.beta) return fine_uniform_of(words[0]) * (shows + hides) < shows;
+  if (!kind.beta) return fine_uniform_of(words[0]) * (shows + hides) < shows;
   const Real e1 = exponential_of(words[0]), e2 = exponential_of(words[1]);
   const auto passes = e2 * shows > hides * e1;
   // u = exp(-x), and 1 - u without cancellation
@@ -148,40 +187,45 @@ template <class Real>
 }
 
 /// Light of the lanes `active`, all at boundaries: reflected or refracted by chance, and perhaps
-/// lost. words[0] is left to the flight that follows.
-template <class Real, int C>
+/// lost. words[0] is left to the flight that follows. Kind: AnyBoundaries, or what is known of
+/// them.
+template <class Kind, class Real, int C>
 LAMELLA_INLINE BoundaryEnds<Real> meet(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
                                        BoundedState<Real, C>& w, const WordsOf<Real>* words,
                                        MaskOf<Real> active) {
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
   const auto& b = *t.boundaries;
-  const Words at = w.layer & Words(kAtBoundary - 1);
+  const Kind kind(b);
+  const Words at = Kind::kOne ? Words(0u) : w.layer & Words(kAtBoundary - 1);
   const auto number = [&](int field) LAMELLA_INLINE_LAMBDA {
+    if (Kind::kOne) return Real(b.value[field][0]);
     return b.only < 0 ? lookup(b.value[field], at) : Real(b.value[field][b.only]);
   };
   // Facets of both sides are the same turned by pi about z.
-  const Mask from_below = w.wi.z < Real(0);
+  Mask from_below = w.wi.z < Real(0);
+  if (Kind::kFrom == InterfaceSide::above) from_below = without(from_below, from_below);
+  if (Kind::kFrom == InterfaceSide::below) from_below = every_lane<Real>();
   const Vec3<Real> v = select(from_below, -w.wi, w.wi);
   const Real ratio_up = number(kRatioUp), ratio_down = number(kRatioDown);
   const Real ratio = select(from_below, ratio_up, ratio_down);
   const Real inverse = select(from_below, ratio_down, ratio_up);
   const Real excess = select(from_below, number(kExcessUp), number(kExcessDown));
   const Mask none = without(active, active);
-  const Mask smooth = b.rough ? (b.smooth ? number(kShape) < Real(1.5) : none) : active;
+  const Mask smooth = kind.rough ? (kind.smooth ? number(kShape) < Real(1.5) : none) : active;
 
   Vec3<Real> m{Real(0), Real(0), Real(1)};
   Real seen(1);
   const GgxFacets<Real> ggx{number(kAlphaX), number(kAlphaY)};
   const BeckmannFacets<Real> beckmann{ggx.alpha_x, ggx.alpha_y};
-  const Mask is_beckmann = b.beckmann ? number(kShape) > Real(2.5) : none;
-  if (b.rough) {
-    if (b.ggx) {
+  const Mask is_beckmann = kind.beckmann ? number(kShape) > Real(2.5) : none;
+  if (kind.rough) {
+    if (kind.ggx) {
       const auto visible = ggx.visible(v, azimuth_of(words[1]), fine_uniform_of(words[2]));
       m = visible.m;
       seen = visible.seen;
     }
-    if (b.beckmann) {
+    if (kind.beckmann) {
       const auto slopes = beckmann.seen_by(v);
       const Vec3<Real> n =
           beckmann.visible_normal(slopes, azimuth_of(words[1]), exponential_of(words[2]),
@@ -189,33 +233,38 @@ LAMELLA_INLINE BoundaryEnds<Real> meet(const WalkSetting<typename NumberTraits<R
       m = select(is_beckmann, n, m);
       seen = select(is_beckmann, v.z + beckmann.hidden_area(slopes), seen);
     }
-    if (b.smooth) m = select(smooth, Vec3<Real>{Real(0), Real(0), Real(1)}, m);
+    if (kind.smooth) m = select(smooth, Vec3<Real>{Real(0), Real(0), Real(1)}, m);
   }
   const Real cosine = nonnegative(dot(v, m));
   const Refraction<Real> r = refraction(cosine, ratio, inverse, excess);
   const Mask refracts =
-      without(r.cosine > Real(0), fine_uniform_of(words[b.rough ? 3 : 1]) < r.reflectance);
+      without(r.cosine > Real(0), fine_uniform_of(words[kind.rough ? 3 : 1]) < r.reflectance);
   // Both are along m and v.
   const Real along_m = select(refracts, multiply_add(inverse, cosine, -r.cosine), cosine + cosine);
   const Real along_v = select(refracts, -inverse, Real(-1));
   Vec3<Real> wo = along_m * m + along_v * v;
-  if (b.smooth) wo.z = select(smooth, select(refracts, -r.cosine, v.z), wo.z);
+  if (kind.smooth) wo.z = select(smooth, select(refracts, -r.cosine, v.z), wo.z);
   wo = renormalized(wo);
 
   Mask lost = none;
-  if (b.rough) {
+  if (kind.rough) {
     using std::abs;
     const Real z = max(abs(wo.z), Real(1e-30));
     Real hidden(0);
-    if (b.ggx) hidden = ggx.hidden_area({wo.x, wo.y, z});
-    if (b.beckmann)
+    if (kind.ggx) hidden = ggx.hidden_area({wo.x, wo.y, z});
+    if (kind.beckmann)
       hidden = select(is_beckmann, beckmann.hidden_area(Vec3<Real>{wo.x, wo.y, z}), hidden);
-    const Mask passes = passes_facets(b, b.beta || b.separable ? number(kMasking) : Real(1),
-                                      refracts, v.z, seen, z, hidden, words + 4);
+    const Mask passes =
+        passes_facets(kind, kind.beta || kind.separable ? number(kMasking) : Real(1), refracts, v.z,
+                      seen, z, hidden, words + 4);
     const Mask right = (refracts & (wo.z < Real(0))) | without(wo.z > Real(0), refracts);
     lost = without(without(active, smooth), passes & right);
   }
   w.wi = select(active, select(from_below, wo, -wo), w.wi);
+  if constexpr (Kind::kOne) {
+    const Mask up = w.wi.z < Real(0), out = without(active & up, lost);
+    return {without(active, lost | up), lost, out, none};
+  }
   Words met = w.met + Words(2u);
   met = select(to_word_mask(smooth), met, met | Words(1u));
   w.met = select(to_word_mask(active), met, w.met);

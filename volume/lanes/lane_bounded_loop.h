@@ -173,7 +173,7 @@ template <int C, class Set, class Score>
       Words words[kMostBoundaryWords];
       for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
       if (met < walks) keep_others<C>(before, lanes, w);
-      const BoundaryEnds<Floats> now = meet<Floats, C>(t.walk, w, words, lanes);
+      const BoundaryEnds<Floats> now = meet<AnyBoundaries, Floats, C>(t.walk, w, words, lanes);
       const FloatMask goes_on = set.hop(w.wi, now.lives, w.layer);
       ends[k] = without(lanes, goes_on);
       bits[k] = select(to_word_mask(now.lost), Words(kLostBit), Words(0u));
@@ -323,7 +323,7 @@ struct QueuedWalks {
         State& w = packets[k].state;
         Words words[kMostBoundaryWords];
         for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
-        now[k] = meet<Floats, C>(t.walk, w, words, step.lanes[k]);
+        now[k] = meet<AnyBoundaries, Floats, C>(t.walk, w, words, step.lanes[k]);
         step.flights[k] =
             s.set.begin_flight(w.wi, exponential_of(words[0]), now[k].lives, w.layer, w.y);
       }

@@ -1,6 +1,6 @@
 // Walks through stacks with interfaces, with or without weights.
 
-#include "volume/lanes/lane_bounded_loop.h"
+#include "volume/lanes/lane_coat_loop.h"
 
 namespace lamella::LAMELLA_ISA {
 namespace {
@@ -35,8 +35,10 @@ bool walk_one_layer(const LaneWalkTask& t) {
 void walk_bounded_lanes(const LaneWalkTask& t) {
   const unsigned substrate = 1u << static_cast<int>(LaneMediumKind::substrate);
   const bool has_media = (t.walk.kinds & ~substrate) != 0;
-  if (!has_media && !t.weights && !t.asks_for_index())
+  if (!has_media && !t.weights && !t.asks_for_index()) {
+    if (coated_walks_of<BetaGgx, Set>(t) || coated_walks_of<CorrelatedGgx, Set>(t)) return;
     return unscattered_walks_of<0, Set>(t, NoScore{});
+  }
   if (!has_media)
     return t.weights ? unscattered_walks_of<3, Set>(t, Score{})
                      : unscattered_walks_of<0, Set>(t, Score{});

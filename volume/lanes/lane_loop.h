@@ -230,9 +230,8 @@ LAMELLA_INLINE void lockstep(const LoopSetting<C, Set, Score>& s,
 }
 
 /// Gives new walks to free lanes, while there are any; how many walks are on their way then.
-template <int C, class Set, class Score, class State>
-LAMELLA_INLINE int take_walks(const LoopSetting<C, Set, Score>& s,
-                              typename LoopSetting<C, Set, Score>::Pool& pool,
+template <int C, class Set, class Score, class Pool, class State>
+LAMELLA_INLINE int take_walks(const LoopSetting<C, Set, Score>& s, Pool& pool,
                               LaneWalks<C, State> (&all)[kSets]) {
   int walking = 0;
   for (LaneWalks<C, State>& w : all) {

@@ -40,13 +40,15 @@ struct LanePool {
   alignas(64) std::uint32_t death[kRoom];
   alignas(64) std::uint32_t layer[kRoom];
   alignas(64) float y[kRoom];
-  bool draws = false;  // every walk its w_i
+  bool directed = false;  // wi is kept whatever the law of the light
+  bool draws = false;     // every walk its w_i
   alignas(64) float wi[3][kRoom];
 
   // Fills up to kSize, until the walks of the task are used up.
   [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
     const int left = to - from;
-    draws = t.incident_law != IncidentLaw::fixed;
+    const bool drawn = t.incident_law != IncidentLaw::fixed;
+    draws = drawn || directed;
     for (int k = 0; k < left; k += kLanes) {
       for (auto& word : numbers) Words::load(word + from + k).store(word + k);
       if constexpr (kIndex) Words::load(index + from + k).store(index + k);
@@ -72,7 +74,7 @@ struct LanePool {
       w.index = Words(here.index_low + made * t.index_stride) + ramp;
       w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
       Vec3<Floats> light{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
-      if (draws) light = drawn_light(t, w.numbers);
+      if (drawn) light = drawn_light(t, w.numbers);
       const FloatMask hits = begin_from<C>(light, t.walk, set, w, first_lanes<float>(n));
       if (t.estimate == LaneEstimate::walk_by_walk) record(t, light, hits);
       const int found = count(hits);
@@ -121,7 +123,7 @@ struct LanePool {
     light.x.store(t.records.x + made);
     light.y.store(t.records.y + made);
     light.z.store(t.records.z + made);
-    if (!draws) return;
+    if (t.incident_law == IncidentLaw::fixed) return;
     light.x.store(t.records.wi_x + made);
     light.y.store(t.records.wi_y + made);
     light.z.store(t.records.wi_z + made);

@@ -31,7 +31,7 @@ int replay_bounded(const LaneSetting<double>& setting, BoundedState<double, C>& 
     if (set.is_at_boundary(w.layer)) {
       std::uint32_t words[kMostBoundaryWords];
       for (int j = 0; j < setting.boundaries.words; ++j) words[j] = w.numbers.next();
-      const BoundaryEnds<double> at = meet<double, C>(setting.walk, w, words, true);
+      const BoundaryEnds<double> at = meet<AnyBoundaries, double, C>(setting.walk, w, words, true);
       if (at.lost) return kLostRow;
       if (at.cut) return static_cast<int>(WalkEnd::unresolved);
       if (at.out) break;

@@ -28,6 +28,16 @@ inline const std::vector<BoundaryCase>& boundary_cases() {
        70, 20},
       {"a GGX coat over Lambert",
        interface("'ggx'\nior = 1.5\nroughness = 0.2") + "[substrate]\nalbedo = 0.8\n", 60, 0},
+      {"an anisotropic coat over Lambert, correlated masking, near grazing",
+       interface("'ggx'\nior = 1.8\nroughness = [0.6, 0.1]\nmasking = 'correlated'") +
+           "[substrate]\nalbedo = 0.95\n",
+       84, 25},
+      {"a coat of an index below 1 over Lambert",
+       interface("'ggx'\nior = 0.7\nroughness = 0.3") + "[substrate]\nalbedo = 0.9\n", 65, 0},
+      {"a coat over Lambert, separable masking",
+       interface("'ggx'\nior = 1.5\nroughness = 0.3\nmasking = 'separable'") +
+           "[substrate]\nalbedo = 0.8\n",
+       20, 0},
       {"a smooth coat over coloured Lambert",
        interface("'smooth'\nior = 1.5") + "[substrate]\nalbedo = [0.2, 0.6, 0.95]\n", 50, 30},
       {"a frosted plate",
