@@ -19,7 +19,7 @@ BoundaryNextEvent<C>::BoundaryNextEvent(const BoundaryStack& stack, const CellTa
 template <int C>
 BoundaryNextEvent<C>::BoundaryNextEvent(const BoundaryStack& stack,
                                         const std::vector<Direction>& points, BatchTally& tally)
-    : stack_(stack), tally_(tally), count_(points.size()), ways_(stack) {
+    : stack_(stack), tally_(tally), count_(points.size()), ways_(stack, true) {
   for (const Direction& w : points) {
     x_.push_back(w.x);
     y_.push_back(w.y);
@@ -85,27 +85,31 @@ bool BoundaryNextEvent<C>::interface(int boundary, const Dielectric& at, Directi
                                      const std::array<double, C>& weight, std::uint64_t order,
                                      RandomStream& stream) {
   if (cells_) return false;
-  double* sums = sums_of(order);
   double checksum = 0;
-  const auto send = [&](Direction w, double through, int target) {
-    if (!(through > 0)) return;
+  constexpr std::array<double, 3> kWhole{1, 1, 1};
+  const auto send = [&](Direction w, double through, int target, std::uint64_t mirrors,
+                        const std::array<double, 3>& mirrored) {
+    if (!(through > 0) || order + mirrors > stack_.max_order) return;
     const double f = at.eval(wi, w, stream) * through;
     checksum += f;
-    for (int c = 0; c < C; ++c) sums[c * count_ + target] += weight[c] * f;
+    double* sums = sums_of(order + mirrors);
+    for (int c = 0; c < C; ++c) sums[c * count_ + target] += weight[c] * f * mirrored[c];
   };
   const auto send_along = [&](int layer, bool up) {
     const bool outermost = layer < 0 || layer >= stack_.count();
     if (outermost) {
       for (std::size_t j = 0; j < count_; ++j)
-        if ((z_[j] > 0) == up) send({x_[j], y_[j], z_[j]}, 1, static_cast<int>(j));
+        if ((z_[j] > 0) == up) send({x_[j], y_[j], z_[j]}, 1, static_cast<int>(j), 0, kWhole);
       return;
     }
     const ExitPaths::Segments& s = ways().in_layer(layer);
     const double depth = stack_.layers[layer].depth;
+    const bool mirrored = !s.mirrors.empty();
     for (std::size_t j = 0; j < s.count(); ++j)
       if ((s.z[j] > 0) == up)
         send({s.x[j], s.y[j], s.z[j]},
-             s.through[j] * (s.rate[j] > 0 ? std::exp(-s.rate[j] * depth) : 1), s.target[j]);
+             s.through[j] * (s.rate[j] > 0 ? std::exp(-s.rate[j] * depth) : 1), s.target[j],
+             mirrored ? s.mirrors[j] : 0, mirrored ? s.mirrored[j] : kWhole);
   };
   send_along(boundary - 1, true);
   send_along(boundary, false);

@@ -13,6 +13,7 @@ template <class Base>
 struct UnaimedAtBoundaries : Base {
   using Base::Base;
   using Base::substrate;
+  [[nodiscard]] static bool sees_mirrors() { return false; }
   template <std::size_t C>
   void substrate(const std::array<double, C>&, const SurfaceLaw&, Direction, std::uint64_t,
                  RandomStream&) {}
@@ -25,7 +26,8 @@ struct UnaimedAtBoundaries : Base {
 
 /// Next-event estimation through interfaces: every event sends its share along the ways out
 /// (ExitPaths). On cells, light that met nothing but interfaces and deltas counts in the cell where
-/// it leaves; at points the first rough boundary that it meets is aimed. Ways cost as much as many
+/// it leaves; at points the first rough boundary that it meets is aimed, and ways meet mirrors as
+/// substrates, each time as one more order. Ways cost as much as many
 /// events: kWalksPerWay walks of a batch share them.
 inline constexpr std::uint64_t kWalksPerWay = 8;
 
@@ -45,7 +47,12 @@ class BoundaryNextEvent {
     const ExitPaths::Segments& s = ways().in_layer(layer);
     double* sums = sums_of(order);
     double checksum = 0;
+    const bool mirrored = !s.mirrors.empty();
     for (std::size_t j = 0; j < s.count(); ++j) {
+      if (mirrored) {
+        if (order + s.mirrors[j] > stack_.max_order) continue;
+        sums = sums_of(order + s.mirrors[j]);
+      }
       const Direction wo{s.x[j], s.y[j], s.z[j]};
       const double way = wo.z > 0 ? y : l.depth - y;
       const double tau = s.rate[j] > 0 ? way * s.rate[j] : 0;
@@ -55,12 +62,15 @@ class BoundaryNextEvent {
       for (int c = 0; c < C; ++c) {
         double share = weight[c] * l.albedo[c] * transport;
         if (l.fresnel) share *= l.f0[c] + (1 - l.f0[c]) * p.schlick;
+        if (mirrored) share *= s.mirrored[j][c];
         sums[c * count_ + s.target[j]] += share;
       }
     }
     finite_ = finite_ && std::isfinite(checksum);
   }
 
+  /// Whether light that a mirror sends on has been scored already: else what leaves then counts.
+  [[nodiscard]] bool sees_mirrors() const { return !cells_; }
   void substrate(const std::array<double, C>& weight, const std::array<double, C>& albedo,
                  std::uint64_t order);
   void substrate(const std::array<double, C>& weight, const SurfaceLaw& law, Direction wi,

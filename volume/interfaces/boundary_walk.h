@@ -40,7 +40,8 @@ void leave(const PathWeight<C>& weight, EnergySums& energy, bool down, bool pass
 /// Follows one walk of light from w_i through a stack with interfaces, like walk() in walk.h:
 /// position-free, weights of at most 1 but for closed forms as substrates. At a boundary Fresnel's
 /// shares decide by chance; light in the shadow of single scattering is `lost`.
-/// Scorer: collision() and substrate() as events that can be aimed; interface(), for a rough
+/// Scorer: collision() and substrate() as events that can be aimed; sees_mirrors(), whether these
+/// count what a mirror as substrate makes of the light; interface(), for a rough
 /// boundary that light meets when nothing has been scored yet, answers whether it scored;
 /// leave(w_o, weight, order, open).
 template <int C, class Scorer>
@@ -70,7 +71,7 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
         if (!stack.law->is_delta()) {
           met = {false, false};
           scorer.substrate(weight.value, *stack.law, wi, order, stream);
-        } else {
+        } else if (!scorer.sees_mirrors()) {
           met.open = true;
         }
         const auto sample = stack.law->sample(wi, stream);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,8 @@ namespace lamella {
 ///
 /// A segment carries the light's direction w in its layer and what radiance along w at the end of
 /// the segment makes of radiance along w_o: Fresnel's shares, attenuation beyond the layer, and
-/// (n_o / n)^2, by reciprocity of the boundaries.
+/// (n_o / n)^2, by reciprocity of the boundaries. A way that meets a mirror as substrate goes on
+/// upwards, if ways are to be mirrored.
 class ExitPaths {
  public:
   /// Segments in one layer, structure of arrays.
@@ -26,12 +28,20 @@ class ExitPaths {
     std::vector<double> through;  ///< radiance that leaves / radiance at the segment's end
     std::vector<double> rate;     ///< optical depth per depth: sigma(-w) / |w.z|
     std::vector<int> target;
+    /// If ways are mirrored, else empty: how often a mirror is met, each time as one more order,
+    /// and what of the light it leaves in each channel.
+    std::vector<std::uint64_t> mirrors;
+    std::vector<std::array<double, 3>> mirrored;
     [[nodiscard]] std::size_t count() const { return x.size(); }
   };
   /// Ways that begin at the substrate: rate has no meaning.
   using Ends = Segments;
 
-  explicit ExitPaths(const BoundaryStack& stack) : stack_(stack), layers_(stack.layers.size()) {}
+  /// mirrors: whether ways are mirrored at the substrate, if it is a mirror.
+  explicit ExitPaths(const BoundaryStack& stack, bool mirrors = false)
+      : stack_(stack),
+        mirrors_(mirrors && stack.law && stack.law->is_delta()),
+        layers_(stack.layers.size()) {}
 
   void clear();
   /// Adds the ways to a target; w_o unit, mu != 0.
@@ -43,7 +53,18 @@ class ExitPaths {
   [[nodiscard]] bool is_random() const { return random_; }
 
  private:
+  struct Way {
+    Direction w;  ///< of the light: the ray from the outside travels along -w
+    double through = 1;
+    std::uint64_t mirrors = 0;
+    std::array<double, 3> mirrored{1, 1, 1};
+  };
+  void add(Segments& to, const Way& way, double rate, int target) const;
+  /// Whether anything of the light on the way is left by the mirror.
+  [[nodiscard]] bool mirror(Way& way, RandomStream& stream) const;
+
   const BoundaryStack& stack_;
+  bool mirrors_;
   std::vector<Segments> layers_;
   Ends substrate_;
   bool random_ = false;

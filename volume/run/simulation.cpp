@@ -12,6 +12,7 @@
 #include "volume/interfaces/boundary_run.h"
 #include "volume/lanes/lane_run.h"
 #include "volume/run/incident_check.h"
+#include "volume/run/point_check.h"
 
 namespace lamella {
 namespace {
@@ -84,6 +85,7 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
     run_batch_ = grain_runner(points_.empty() ? GrainScores::nothing : GrainScores::points);
     return;
   }
+  if (!points_.empty()) require_aimable(stack);
   if (plan.has_grids()) {
     run_batch_ = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
                              &points_, batches_);

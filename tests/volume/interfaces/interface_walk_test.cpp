@@ -341,5 +341,39 @@ TEST(InterfaceWalk, LightFromBelowOpaqueStacksIsRefused) {
   EXPECT_THROW(simulate(stack, {0, 0, -1}, Estimator::analog, 128), std::invalid_argument);
 }
 
+// A layer on a perfect mirror is half of a layer of twice its depth: what would cross that leaves
+// above, mirrored.
+TEST(InterfaceWalk, AMirrorBelowUnfoldsALayer) {
+  const std::string medium = "medium = 'henyey_greenstein'\ng = 0.4\nalbedo = 0.9\nthickness = ";
+  const Stack folded = stack_from(
+      layer(medium + "0.6") +
+      substrate("'conductor'\ndistribution = 'smooth'\nfresnel = 'one'\neta = 1\nk = 1"));
+  const Stack whole = stack_from(layer(medium + "1.2"));
+  const Direction wi = direction_from_degrees(40, 0);
+  for (const auto& [theta, phi] : {std::pair{20.0, 30.0}, {70.0, 180.0}, {40.0, 180.0}}) {
+    const Direction wo = direction_from_degrees(theta, phi), below{wo.x, wo.y, -wo.z};
+    const Estimate f = all_at_point(folded, wi, wo, 200000);
+    const Estimate up = all_at_point(whole, wi, wo, 200000),
+                   down = all_at_point(whole, wi, below, 200000);
+    EXPECT_NEAR(f.value, up.value + down.value,
+                allowed_z() * std::hypot(f.standard_error, up.standard_error, down.standard_error))
+        << theta << ' ' << phi;
+  }
+}
+
+TEST(InterfaceWalk, PointsThatDeltaFlakesWouldHideAreRefused) {
+  const std::string flakes =
+      layer("medium = 'vmf_flake'\nroughness = 0\nflake = 'mirror'\nthickness = 1");
+  const Direction w = direction_from_degrees(40, 0);
+  const auto begin = [&](const Stack& stack) { Simulation(stack, make_plan(stack), w, {w}, 1); };
+  begin(stack_from(flakes));
+  for (const std::string& more :
+       {layer("medium = 'lambert_sphere'\nthickness = 1"), substrate("'lambert'\nalbedo = 0.5"),
+        interface("'ggx'\nior = 1.5\nroughness = 0.2")})
+    EXPECT_THROW(begin(stack_from(more[1] == 's' ? flakes + more : more + flakes)),
+                 std::invalid_argument)
+        << more;
+}
+
 }  // namespace
 }  // namespace lamella::testing

@@ -7,6 +7,7 @@
 #include "phase/interface/dielectric.h"
 #include "phase/surface/conductor.h"
 #include "phase/surface/fresnel_formulas.h"
+#include "tests/volume/run/stacks.h"
 #include "tests/volume/solver/deterministic_stacks.h"
 #include "volume/quadrature/quadrature.h"
 #include "volume/run/simulation.h"
@@ -359,6 +360,35 @@ TEST(InterfaceSolver, StacksAgreeWithWalks) {
         for (std::size_t k = 0; k < a.lobes[Order::zero].value.size(); ++k)
           EXPECT_NEAR(a.lobes[Order::zero].value[k] + a.lobes[Order::scattered].value[k],
                       a.lobes[Order::all].value[k], 1e-12 * a.lobes[Order::all].value[k]);
+      }
+    }
+  }
+}
+
+// Mirror flakes over metal at pairs: over a rough one order 2 is integrated, over a smooth one it
+// is in the modes, which the bound tells.
+TEST(InterfaceSolver, MirrorFlakesOverMetalAgreeWithWalksAtPairs) {
+  const std::string flakes = layer(sggx(0.5, "mirror"), 0.9, 0.7);
+  const std::string metal = "[substrate]\nbsdf = \"conductor\"\neta = 0.2\nk = 3.9\n";
+  const Direction wi = up(0.7);
+  const std::vector<Direction> points{up(0.7, 1), up(0.3, kPi), up(0.9, 2)};
+  const std::string coat = rough(1.5, 0.4) + layer(sggx(0.5, "lambert"), 0.8, 0.5);
+  for (const std::string& toml : {flakes + metal + "distribution = \"ggx\"\nroughness = 0.3\n",
+                                  flakes + metal, coat + metal}) {
+    const Stack stack = stack_of(toml);
+    const DeterministicSolution s =
+        solve_deterministic(stack, {.tolerance = 1e-3, .max_nodes = 32, .max_seconds = 100});
+    Simulation walks(stack, make_plan(stack), wi, points, 3);
+    walks.advance(50000);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const DeterministicValue v = s.f(wi, points[k]);
+      EXPECT_LT(v.error.r, 2e-2 * v.order[Order::all].r);
+      for (const int order : {0, 1, 2, kTallyOrders}) {
+        const Estimate e = testing::point_estimate(walks, order, static_cast<int>(k),
+                                                   static_cast<int>(points.size()));
+        const double scattered = v.order[order].r - (order == kTallyOrders ? v.zero.r : 0);
+        EXPECT_NEAR(e.value, scattered, 4.5 * e.standard_error + v.error.r)
+            << toml << " point " << k << " order " << order;
       }
     }
   }
