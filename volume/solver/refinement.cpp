@@ -253,11 +253,15 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                                 [](const Layer& l) { return !l.interface && is_steep(l.medium); });
   const OuterIndices outer(stack);
   const int parts = stack.is_open_below() ? 4 : 1;
-  // Narrow lobes of rough interfaces are missed by the nodes about the normal first.
-  std::vector<double> cosines_in = kProbesIn;
-  if (stack.has_rough_interfaces()) cosines_in.push_back(1);
+  // Narrow lobes of rough interfaces are missed by the nodes about the normal first: there, and
+  // where light comes back through one facet's neighbours, close to where it came from.
+  std::vector<double> cosines_in = kProbesIn, cosines_out = kProbesOut;
+  if (stack.has_rough_interfaces()) {
+    cosines_in.insert(cosines_in.end(), {0.97, 1});
+    cosines_out.insert(cosines_out.end(), {0.97, 0.98});
+  }
   const std::vector<AskedCosine> probes_in = probes(cosines_in, outer, parts > 1),
-                                 probes_out = probes(kProbesOut, outer, parts > 1);
+                                 probes_out = probes(cosines_out, outer, parts > 1);
   const DistinctChannels distinct = distinct_channels(stack);
   solution.channels_ = distinct.channels;
   solution.channel_of_ = distinct.channel_of;
