@@ -2,7 +2,7 @@
 
 BUILD_PACKAGES := g++ cmake ninja-build pkg-config libboost-dev libtbb-dev libopenexr-dev \
   libeigen3-dev librandom123-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
-  libcairo2-dev fonts-dejavu-core libceres-dev libhwy-dev libssl-dev zlib1g-dev libopenvdb-dev libembree-dev \
+  libcairo2-dev fonts-dejavu-core libceres-dev libhwy-dev libssl-dev zlib1g-dev libpng-dev libjpeg62-turbo-dev libopenvdb-dev libembree-dev \
   pybind11-dev python3-dev python3-numpy
 TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jsonschema \
   python3-pytest python3-xarray python3-matplotlib mypy python3-setuptools python3-wheel python3-pip \
