@@ -100,6 +100,11 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
   std::optional<LobeTable> table;
   if (options.table) {
     check_preview("preview --table", stack);
+    if (truth->transmits())
+      throw UsageError(fmt::format(
+          "--table: found {}, through which light passes, while the table has reflection alone; "
+          "allowed: a stack that is opaque below",
+          stack.name));
     table = LobeTable::make(request, monitor.stop, monitor.solver);
     if (monitor.finished) monitor.finished();
   }

@@ -24,6 +24,8 @@ const Direction kMeshView{0, -std::sin(kMeshPitch), -std::cos(kMeshPitch)};
 // Share of the scene's size by which a ray begins off the surface: floats have 2^-24.
 constexpr double kOffset = 2e-5;
 constexpr double kLeastMu = 1e-9;
+// Surfaces that a path or a ray to the light meets at most, sheets that it just passes among them.
+constexpr int kMeetingBits = 12, kMostMeetings = 1 << kMeetingBits;
 
 MeshHit sphere_hit(Direction p, double distance) {
   MeshHit hit;
@@ -71,12 +73,16 @@ class PathTracer {
     if (!hit) return std::nullopt;
     PathEnd end;
     Rgb weight(1);
-    for (int depth = 1;; ++depth) {
+    // Of the direction that the path has; nothing: only paths find the light there.
+    std::optional<double> density;
+    std::uint64_t walk = number << kMeetingBits;
+    for (int depth = 1, meetings = 1;; ++meetings) {
       const Direction to_viewer = -ray.d;
       const Frame<double> frame = surface_frame(*hit, to_viewer, surface_.transmits());
       const Direction wo = frame.to_local(to_viewer);
       if (std::abs(wo.z) < kLeastMu) return end;
-      const auto aimed = light_.sample(stream.uniform(), stream.uniform(), stream.uniform());
+      const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
+      const auto aimed = light_.sample(u1, u2, u3);
       Direction wi{};
       bool aims = aimed.has_value();
       if (aims) {
@@ -84,25 +90,26 @@ class PathTracer {
         aims = std::abs(wi.z) > kLeastMu && (surface_.transmits() || wi.z * wo.z > 0);
       }
       const Scattered scattered =
-          surface_.scatter(hit->u, hit->v, wo, aims ? &wi : nullptr, settings_.seed,
-                           number * static_cast<std::uint64_t>(settings_.depth) +
-                               static_cast<std::uint64_t>(depth) - 1);
-      if (aims && scattered.f != Rgb(0) && object_.is_free(object_.from(*hit, aimed->w))) {
+          surface_.scatter(hit->u, hit->v, wo, aims ? &wi : nullptr, settings_.seed, walk++);
+      const double passes = aims && scattered.f != Rgb(0) ? passage(*hit, aimed->w) : 0;
+      if (passes > 0) {
         const double share = aimed->density / (aimed->density + scattered.target_density);
-        end.radiance +=
-            share * std::abs(wi.z) / aimed->density * (weight * scattered.f * aimed->radiance);
+        end.radiance += passes * share * std::abs(wi.z) / aimed->density *
+                        (weight * scattered.f * aimed->radiance);
       }
       if (!scattered.next) return end;
+      // A sheet that the path just passes leaves it what it was.
+      if (!scattered.next->straight) density = scattered.next->density;
       weight = weight * scattered.next->weight;
       ray = object_.from(*hit, frame.to_world(scattered.next->wi));
       hit = object_.trace(ray);
       if (!hit) {
-        const auto& density = scattered.next->density;
         const double share = density ? *density / (*density + light_.density(ray.d)) : 1;
         end.radiance += share * (weight * light_.radiance(ray.d));
         return end;
       }
-      if (depth == settings_.depth) {
+      if (!scattered.next->straight) ++depth;
+      if (depth > settings_.depth || meetings == kMostMeetings) {
         end.cut = luminance(weight);
         return end;
       }
@@ -110,6 +117,21 @@ class PathTracer {
   }
 
  private:
+  // The share of light from w that reaches a hit, through sheets that it passes without an event.
+  [[nodiscard]] double passage(const MeshHit& from, Direction w) const {
+    ViewedObject::Ray ray = object_.from(from, w);
+    if (!surface_.transmits()) return object_.is_free(ray) ? 1 : 0;
+    double share = 1;
+    for (int k = 0; k < kMostMeetings && share > 0; ++k) {
+      const std::optional<MeshHit> hit = object_.trace(ray);
+      if (!hit) return share;
+      const Direction local = surface_frame(*hit, -w, true).to_local(w);
+      share *= surface_.uncollided(hit->u, hit->v, local);
+      ray = object_.from(*hit, w);
+    }
+    return 0;
+  }
+
   const ViewedObject& object_;
   const SurfaceScatter& surface_;
   const LightDome& light_;

@@ -46,8 +46,13 @@ class WalkedSurface final : public SurfaceScatter {
     if (light.departure)
       out.next = Scattered::Next{
           light.departure->wi, light.departure->weight,
-          light.departure->unaimed ? std::optional<double>() : std::optional(kWalkDensity)};
+          light.departure->unaimed ? std::optional<double>() : std::optional(kWalkDensity),
+          light.departure->straight};
     return out;
+  }
+
+  [[nodiscard]] double uncollided(double u, double v, Direction w) const override {
+    return place(u, v).uncollided(w);
   }
 
  private:
@@ -100,13 +105,16 @@ class ClosedSurface final : public SurfaceScatter {
   ClosedSurface(const Model& model, bool transmits) : model_(model), transmits_(transmits) {}
 
   [[nodiscard]] bool transmits() const override { return transmits_; }
+  [[nodiscard]] double uncollided(double, double, Direction w) const override {
+    return transmits_ ? model_.uncollided(w) : 0;
+  }
 
   [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
                                   std::uint64_t seed, std::uint64_t number) const override {
     RandomStream stream = sample_stream(seed, number);
     // Deltas, then the closed form's own sampler on w_o's side, or a cosine on the other.
     const Rgb mirror = model_.specular(wo);
-    const double passes = transmits_ ? model_.uncollided(wo) : 0;
+    const double passes = transmits_ ? model_.uncollided(-wo) : 0;
     const double p_mirror = std::min(0.4, mirror.max()), p_pass = std::min(0.4, passes);
     const double rest = 1 - p_mirror - p_pass, p_side = transmits_ ? 0.5 * rest : rest;
     const auto density_of = [&](Direction w) {
@@ -122,7 +130,8 @@ class ClosedSurface final : public SurfaceScatter {
     if (u < p_mirror) {
       out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
     } else if (u < p_mirror + p_pass) {
-      out.next = Scattered::Next{-wo, Rgb(passes / p_pass), {}};
+      // By reciprocity: light from -wo.
+      out.next = Scattered::Next{-wo, Rgb(passes / p_pass), {}, true};
     } else {
       std::optional<Direction> w;
       if (u < p_mirror + p_pass + p_side) {
@@ -151,6 +160,7 @@ class TabulatedSurface final : public SurfaceScatter {
       : towards_(std::move(towards)), specular_(std::move(specular)) {}
 
   [[nodiscard]] bool transmits() const override { return false; }
+  [[nodiscard]] double uncollided(double, double, Direction) const override { return 0; }
 
   [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
                                   std::uint64_t seed, std::uint64_t number) const override {

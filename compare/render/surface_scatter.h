@@ -22,6 +22,8 @@ struct Scattered {
     Rgb weight;  ///< f |mu_i| / density
     /// [1/sr] of this direction, or what stands for it; nothing: no estimate of f has this light.
     std::optional<double> density;
+    /// It goes on along -w_o, as the light that `uncollided` has.
+    bool straight = false;
   };
   std::optional<Next> next{};
 };
@@ -34,6 +36,9 @@ class SurfaceScatter {
   virtual ~SurfaceScatter() = default;
   /// Light from both sides matters; else the surface is the same seen from either.
   [[nodiscard]] virtual bool transmits() const = 0;
+  /// The share of light from w that passes without an event, whose directions `scatter` marks as
+  /// straight; 0 where it marks none.
+  [[nodiscard]] virtual double uncollided(double u, double v, Direction w) const = 0;
   /// u, v: the place on the maps. wi: nullptr where nothing is aimed at. Directions are unit, in
   /// the frame of the surface. number: of the walk, different for every call.
   [[nodiscard]] virtual Scattered scatter(double u, double v, Direction wo, const Direction* wi,

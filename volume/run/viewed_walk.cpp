@@ -21,8 +21,8 @@ class Departing : public Base {
   using Base::Base;
 
   void leave(Direction, const std::array<double, 3>&, std::uint64_t, bool open) { aimed_ = !open; }
-  void departs(Direction wo, const std::array<double, 3>& weight, std::uint64_t, bool) {
-    departure_ = {wo, {weight[0], weight[1], weight[2]}, true};
+  void departs(Direction wo, const std::array<double, 3>& weight, std::uint64_t order, bool) {
+    departure_ = {wo, {weight[0], weight[1], weight[2]}, true, order == 0};
   }
   [[nodiscard]] std::optional<ViewedLight::Departure> departure() const {
     if (!departure_) return std::nullopt;
@@ -72,12 +72,14 @@ struct ViewedStack::Content {
       : stack(of),
         plan(viewed_plan(stack, limits)),
         walk(stack, plan),
-        gain(std::exp(stack.one_sidedness())) {}
+        gain(std::exp(stack.one_sidedness())),
+        passes(plan.transmits && !stack.has_boundaries()) {}
 
   Stack stack;  // holds the media
   Plan plan;
   BoundaryStack walk;
   double gain;  // transmission from below over that from above
+  bool passes;  // whether light passes without an event
 };
 
 ViewedStack::ViewedStack(const Stack& stack, const WalkLimits& limits)
@@ -86,6 +88,10 @@ ViewedStack::~ViewedStack() = default;
 ViewedStack::ViewedStack(ViewedStack&&) noexcept = default;
 
 bool ViewedStack::transmits() const { return content_->plan.transmits; }
+
+double ViewedStack::uncollided(Direction w) const {
+  return content_->passes ? content_->stack.uncollided(w) : 0;
+}
 
 ViewedLight ViewedStack::follow(Direction wo, const Direction* wi, std::uint64_t seed,
                                 std::uint64_t number) const {
@@ -108,8 +114,11 @@ ViewedLight ViewedStack::follow(Direction wo, const Direction* wi, std::uint64_t
     walk_through_boundaries<3>(content_->walk, wo, seed, index, scorer, tally);
     light.departure = scorer.departure();
   }
-  if (light.departure && light.departure->wi.z * wo.z < 0)
-    light.departure->weight = through * light.departure->weight;
+  if (light.departure) {
+    const bool passed = light.departure->wi.z * wo.z < 0;
+    if (passed) light.departure->weight = through * light.departure->weight;
+    light.departure->straight = light.departure->straight && passed && content_->passes;
+  }
   return light;
 }
 

@@ -21,6 +21,8 @@ struct ViewedLight {
     /// Light along w_i that no estimate of `f` has: it passed deltas alone, or only those since
     /// anything could be aimed.
     bool unaimed = false;
+    /// It passed the stack without an event, w_i = -w_o, where `uncollided` has that light.
+    bool straight = false;
   };
   std::optional<Departure> departure{};
 };
@@ -38,6 +40,9 @@ class ViewedStack {
   ViewedStack(ViewedStack&&) noexcept;
 
   [[nodiscard]] bool transmits() const;
+  /// The share of light from w that passes without an event: Stack::uncollided, and 0 where the
+  /// stack has interfaces or is closed below.
+  [[nodiscard]] double uncollided(Direction w) const;
 
   /// The walk of that number from w_o. `wi`: of f, mu != 0; nullptr: no estimate. Both unit; from
   /// below (mu < 0) only where the stack transmits.

@@ -21,7 +21,7 @@ TEST(LightDome, SamplesHaveTheirDensity) {
   for (const SkyKind sky : {SkyKind::uniform, SkyKind::clear, SkyKind::overcast}) {
     const LightDome dome(sky, std::nullopt);
     EXPECT_GT(sampler_p_value(
-                  "sky", {0, 1, 0}, [&](RandomStream& s) { return sampled(dome, s); },
+                  "sky", Direction{0, 1, 0}, [&](RandomStream& s) { return sampled(dome, s); },
                   [&](Direction w) { return dome.density(w); }, 50000),
               test_level());
     // With a lamp, of which the density is a step: the share of its samples.

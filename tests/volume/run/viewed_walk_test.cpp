@@ -97,6 +97,25 @@ TEST(ViewedWalk, DeparturesCarryTheSameEnergyAsWhatIsAimed) {
   }
 }
 
+TEST(ViewedWalk, PassesStraightAsOftenAsLightIsUncollided) {
+  const std::uint64_t walks = soaked(20000);
+  for (const std::string& toml : viewed_stacks()) {
+    const ViewedStack viewed(stack_from(toml));
+    const Direction wo = direction_from_degrees(35, 10);
+    Mean passed;
+    for (std::uint64_t n = 0; n < walks; ++n) {
+      const ViewedLight light = viewed.follow(wo, nullptr, 11, n);
+      passed.add(light.departure && light.departure->straight ? light.departure->weight.g : 0);
+    }
+    // Light that comes from where the viewer looks to.
+    const double share = viewed.uncollided(-wo);
+    EXPECT_EQ(share > 0, viewed.transmits());
+    EXPECT_NEAR(passed.value(), share,
+                normal_quantile(test_level()) * std::sqrt(passed.variance()) + 1e-15)
+        << toml;
+  }
+}
+
 TEST(ViewedWalk, RefusesWhatItCannotSee) {
   for (const char* toml :
        {"[[layer]]\nmedium = 'vmf_flake'\nroughness = 0.3\naxis = [0.5, 0.2, 1]\nthickness = 1\n",
