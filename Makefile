@@ -57,7 +57,7 @@ soak-collisions: release
 # libFuzzer on every reader of what comes from outside, with sanitizers, for FUZZ_SECONDS each;
 # corpora grow in build/fuzz/corpus from one call to the next. FUZZ: names of readers.
 FUZZ_SECONDS := 600
-FUZZ := stack csv exr vdb part walks run values tensor merl npz index settings model
+FUZZ := stack csv exr png jpeg obj vdb part walks run values tensor merl npz index settings model
 fuzz: install-test-packages install-build-packages
 	cmake --preset fuzz $(LAUNCHER)
 	cmake --build build/fuzz --target $(patsubst %,fuzz_%,$(FUZZ))

@@ -32,6 +32,9 @@ struct Picture {
 /// holds besides is left out.
 [[nodiscard]] Picture read_picture(const std::filesystem::path& path);
 
+/// Whether this program was built with libpng and libjpeg.
+[[nodiscard]] bool has_png_and_jpeg();
+
 /// The same of a file's bytes. `name`: for errors. Without libpng and libjpeg
 /// (-DLAMELLA_PICTURES=OFF) they refuse.
 [[nodiscard]] Picture read_png(std::string_view bytes, const std::filesystem::path& name);

@@ -30,6 +30,11 @@ void keep_message(char* to, const char* message) {
   throw OutputError(fmt::format("cannot read {}: {}", name.string(), why));
 }
 
+// Most bytes of a PNG's pixels per byte of the file: deflate's limit, 1032. Most pixels of a JPEG
+// per byte: 512 in blocks of one bit each. A header that claims more is not believed, so that a
+// small file asks for little memory.
+constexpr std::size_t kMostInflation = 2048, kSmallPicture = 1 << 20;
+
 struct PngSource {
   std::string_view left;
   char message[kMessageBytes] = "";
@@ -157,6 +162,8 @@ bool read_jpeg_rows(JpegState& state, unsigned char* row) {
 
 }  // namespace
 
+bool has_png_and_jpeg() { return true; }
+
 Picture read_png(std::string_view bytes, const std::filesystem::path& name) {
   PngSource source{bytes};
   PngState state;
@@ -167,6 +174,10 @@ Picture read_png(std::string_view bytes, const std::filesystem::path& name) {
   if (!read_png_header(state)) refuse(name, source.message);
   check_picture_size(png_get_image_width(state.png, state.info),
                      png_get_image_height(state.png, state.info), 4, name);
+  // Before palettes are expanded, by 3 or 4.
+  if (png_get_rowbytes(state.png, state.info) * png_get_image_height(state.png, state.info) >
+      kSmallPicture + kMostInflation * bytes.size())
+    refuse(name, "it ends early");
   if (!ask_png_for_samples(state)) refuse(name, source.message);
   Picture picture;
   picture.integer = true;
@@ -197,6 +208,9 @@ Picture read_jpeg(std::string_view bytes, const std::filesystem::path& name) {
   picture.integer = true;
   picture.channels = state.jpeg.out_color_space == JCS_GRAYSCALE ? 1 : 3;
   check_picture_size(state.jpeg.output_width, state.jpeg.output_height, picture.channels, name);
+  if (static_cast<std::size_t>(state.jpeg.output_width) * state.jpeg.output_height >
+      kSmallPicture + kMostInflation * bytes.size())
+    refuse(name, "it ends early");
   picture.width = static_cast<int>(state.jpeg.output_width);
   picture.height = static_cast<int>(state.jpeg.output_height);
   const std::size_t row =
