@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "analytic/catalogue/model_plugin.h"
+#include "analytic/layered/spongecake.h"
 #include "compare/command/command.h"
 #include "compare/command/divided_run.h"
 #include "compare/command/picture_options.h"
@@ -45,7 +46,15 @@ TruthRequest preview_request(const TruthRequest& request) {
 
 // The models that apply to the first texel, or that were asked for, as their means over all.
 std::vector<BoundModel> models_of_texels(const Options& options, const std::vector<Stack>& texels) {
-  const std::vector<ModelRequest> requests = requests_for(model_requests(options), texels.front());
+  std::vector<ModelRequest> requests = requests_for(model_requests(options), texels.front());
+  // Fits take seconds for every texel: further lobes come from the network, or there are none.
+  for (ModelRequest& request : requests)
+    if (request.name == "spongecake" && request.values.empty()) {
+      const bool predicted = std::all_of(texels.begin(), texels.end(), [](const Stack& texel) {
+        return why_no_network(texel).empty();
+      });
+      request.values.emplace_back("lobes", predicted ? "network" : "none");
+    }
   std::vector<std::vector<BoundModel>> bound(requests.size());
   for (const Stack& texel : texels) {
     std::vector<BoundModel> models = fitted_models_for(requests, texel);
