@@ -110,9 +110,29 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
   }
   const PathSettings settings = settings_of(options);
   std::vector<NamedPicture> found;
+  const PathRun run{stack.name,
+                    mapped ? "with maps; this is the middle:\n" + to_toml(stack) : to_toml(stack),
+                    options.shape, options.depth, options.equal_time};
+  // What is there is written now and then, at doubling times; not where time is measured.
+  constexpr double kFirstWrite = 5;
   const auto add = [&](const std::string& name, const SurfaceScatter& scatter) {
     if (!found.empty() && user_interrupt) return;
-    found.push_back({name, trace_picture(object, scatter, light, settings, &user_interrupt)});
+    double next_write = kFirstWrite;
+    const PathWatch watch = [&](const PathPicture& so_far, int samples) {
+      const auto pixels = static_cast<std::uint64_t>(so_far.samples.size());
+      if (monitor.progress)
+        monitor.progress(name,
+                         {static_cast<std::uint64_t>(samples) * pixels,
+                          static_cast<std::uint64_t>(settings.samples) * pixels, so_far.seconds});
+      if (options.equal_time || so_far.seconds < next_write) return;
+      while (next_write <= so_far.seconds) next_write *= 2;
+      std::vector<NamedPicture> now = found;
+      now.push_back({name, so_far});
+      write_path_files(folder, now, run, formats, inputs);
+    };
+    found.push_back(
+        {name, trace_picture(object, scatter, light, settings, &user_interrupt, watch)});
+    if (monitor.finished) monitor.finished();
   };
   add("truth", *truth);
   const std::vector<std::string> names = distinct_names(models);
@@ -126,9 +146,6 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
                            })
                                                  : std::function<Rgb(Direction)>()));
   inputs.check();
-  const PathRun run{stack.name,
-                    mapped ? "with maps; this is the middle:\n" + to_toml(stack) : to_toml(stack),
-                    options.shape, options.depth, options.equal_time};
   write_path_files(folder, found, run, formats, inputs);
   nlohmann::ordered_json answer = json_header("preview", request);
   answer["interrupted"] = user_interrupt.load();

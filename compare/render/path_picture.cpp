@@ -261,7 +261,7 @@ Rgb PathPicture::variance(std::size_t pixel) const {
 
 PathPicture trace_picture(const ViewedObject& object, const SurfaceScatter& surface,
                           const LightDome& light, const PathSettings& settings,
-                          const StopFlag* stop) {
+                          const StopFlag* stop, const PathWatch& watch) {
   PathPicture picture;
   picture.width = settings.columns;
   picture.height = object.rows(settings.columns);
@@ -293,6 +293,7 @@ PathPicture trace_picture(const ViewedObject& object, const SurfaceScatter& surf
       }
     });
     picture.seconds = seconds_since(start);
+    if (watch) watch(picture, pass + 1);
     if (!settings.seconds) continue;
     if (picture.seconds >= next_checkpoint && pass > 0) {
       picture.checkpoints.push_back({picture.seconds, pass + 1, relative_noise(picture, picture)});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,6 +54,10 @@ struct PathSettings {
   std::uint64_t seed = 1;
 };
 
+struct PathPicture;
+/// Sees a picture after every pass, in the thread that asked for it: how many samples there are.
+using PathWatch = std::function<void(const PathPicture& so_far, int samples)>;
+
 /// Sums over the samples of every pixel, row by row from the top left.
 struct PathPicture {
   int width = 0, height = 0;
@@ -80,7 +85,7 @@ struct PathPicture {
 /// thread's task arena.
 [[nodiscard]] PathPicture trace_picture(const ViewedObject& object, const SurfaceScatter& surface,
                                         const LightDome& light, const PathSettings& settings,
-                                        const StopFlag* stop);
+                                        const StopFlag* stop, const PathWatch& watch = {});
 
 /// Mean over the covered pixels of the luminance's variance over (reference^2 + 1e-2 of its mean
 /// square): the relative mean square error that noise makes.
