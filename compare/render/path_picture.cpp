@@ -142,20 +142,22 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The mean over covered pixels of value(pixel) / (reference^2 + a hundredth of its mean square).
+// The mean of value(pixel) / (reference^2 + a hundredth of its mean square) over the pixels whose
+// variance is known in both pictures.
 template <class Value>
-double relative_mean(const PathPicture& reference, const Value& value) {
-  double square = 0, count = 0;
+double relative_mean(const PathPicture& picture, const PathPicture& reference, const Value& value) {
+  std::vector<std::size_t> pixels;
+  double square = 0;
   for (std::size_t k = 0; k < reference.samples.size(); ++k) {
-    if (reference.samples[k] == 0) continue;
+    if (reference.samples[k] < 2 || picture.samples[k] < 2) continue;
+    pixels.push_back(k);
     square += std::pow(luminance(reference.mean(k)), 2);
-    ++count;
   }
   if (!(square > 0)) return 0;
+  const auto count = static_cast<double>(pixels.size());
   double sum = 0;
-  for (std::size_t k = 0; k < reference.samples.size(); ++k)
-    if (reference.samples[k] > 0)
-      sum += value(k) / (std::pow(luminance(reference.mean(k)), 2) + 1e-2 * square / count);
+  for (const std::size_t k : pixels)
+    sum += value(k) / (std::pow(luminance(reference.mean(k)), 2) + 1e-2 * square / count);
   return sum / count;
 }
 
@@ -311,7 +313,7 @@ PathPicture trace_picture(const ViewedObject& object, const SurfaceScatter& surf
 }
 
 double relative_noise(const PathPicture& picture, const PathPicture& reference) {
-  return relative_mean(reference, [&](std::size_t k) {
+  return relative_mean(picture, reference, [&](std::size_t k) {
     // Channels share their paths: standard errors add up with the weights of the luminance.
     const Rgb v = picture.variance(k);
     return std::pow(luminance(Rgb(std::sqrt(v.r), std::sqrt(v.g), std::sqrt(v.b))), 2);
@@ -319,7 +321,7 @@ double relative_noise(const PathPicture& picture, const PathPicture& reference) 
 }
 
 double relative_difference(const PathPicture& picture, const PathPicture& reference) {
-  return relative_mean(reference, [&](std::size_t k) {
+  return relative_mean(picture, reference, [&](std::size_t k) {
     return std::pow(luminance(picture.mean(k)) - luminance(reference.mean(k)), 2);
   });
 }

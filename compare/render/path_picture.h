@@ -87,8 +87,8 @@ struct PathPicture {
                                         const LightDome& light, const PathSettings& settings,
                                         const StopFlag* stop, const PathWatch& watch = {});
 
-/// Mean over the covered pixels of the luminance's variance over (reference^2 + 1e-2 of its mean
-/// square): the relative mean square error that noise makes.
+/// Mean over the pixels with two samples and more of the luminance's variance over (reference^2 +
+/// 1e-2 of its mean square): the relative mean square error that noise makes.
 [[nodiscard]] double relative_noise(const PathPicture& picture, const PathPicture& reference);
 /// The same of the squared difference of two pictures; noise counts.
 [[nodiscard]] double relative_difference(const PathPicture& picture, const PathPicture& reference);

@@ -117,9 +117,10 @@ class ClosedSurface final : public SurfaceScatter {
     const double passes = transmits_ ? model_.uncollided(-wo) : 0;
     const double p_mirror = std::min(0.4, mirror.max()), p_pass = std::min(0.4, passes);
     const double rest = 1 - p_mirror - p_pass, p_side = transmits_ ? 0.5 * rest : rest;
+    // The model's sampler may know both sides: a mixture of it and the cosine beyond.
     const auto density_of = [&](Direction w) {
-      return (w.z > 0) == (wo.z > 0) ? p_side * model_.pdf(w, wo)
-                                     : (rest - p_side) * std::abs(w.z) / kPi;
+      const bool beyond = (w.z > 0) != (wo.z > 0);
+      return p_side * model_.pdf(w, wo) + (beyond ? (rest - p_side) * std::abs(w.z) / kPi : 0);
     };
     Scattered out;
     if (wi) {

@@ -57,6 +57,21 @@ class PathsOnAnObject(ProgramTest):
                                    delta=4.5 * noise + 0.01 * truth["mean_luminance"])
             self.assertLess(pictures[name]["bias"], 1e-3 + 4.5 * pictures[name]["bias_error"])
 
+    def test_see_order_1_as_its_closed_form_from_both_sides(self):
+        self.write("up.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n")
+        self.write("down.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 4 3 2 1\n")
+        shapes = ["sphere"] + (["up.obj", "down.obj"] if WITH_EMBREE else [])
+        for stack in ("isotropic_slab", "spongecake_plant"):
+            for shape in shapes:
+                with self.subTest(stack=stack, shape=shape):
+                    pictures = self.traced(stack, "--max-order", "1", "--shape", shape, "--size", "16", "--samples", "128",
+                                           "--environment", "uniform", "--light", "none", "--depth", "16", "--model",
+                                           "single_scattering")
+                    truth, closed = pictures["truth"], pictures["single_scattering"]
+                    noise = (truth["standard_error"] ** 2 + closed["standard_error"] ** 2) ** 0.5
+                    self.assertLess(noise, 0.03 * truth["mean_luminance"])
+                    self.assertAlmostEqual(truth["mean_luminance"], closed["mean_luminance"], delta=4.5 * noise)
+
     def test_give_equal_pictures_on_any_number_of_threads(self):
         files = []
         for threads in ("1", "3"):
