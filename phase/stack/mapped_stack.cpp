@@ -32,7 +32,9 @@ toml::table* part_of(toml::table& root, const MappedKey& key) {
 void find_maps(const KeyReader& keys, const toml::table& table, std::optional<std::size_t> layer,
                std::vector<MappedKey>& maps) {
   const std::string part = layer ? fmt::format("layer {}", *layer) : "substrate";
-  for (const auto& [word, node] : table) {
+  for (const auto& [word, value] : table) {
+    // Of its own, as clang's lambdas take no structured binding.
+    const toml::node& node = value;
     // A name that is no file is refused by the reader of the words.
     if (!names_picture(node)) continue;
     MappedKey found{.layer = layer,
