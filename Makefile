@@ -2,7 +2,7 @@
 
 BUILD_PACKAGES := g++ cmake ninja-build pkg-config libboost-dev libtbb-dev libopenexr-dev \
   libeigen3-dev librandom123-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
-  libcairo2-dev fonts-dejavu-core libceres-dev libhwy-dev libssl-dev zlib1g-dev libopenvdb-dev libembree-dev \
+  libcairo2-dev fonts-dejavu-core libceres-dev libhwy-dev libssl-dev zlib1g-dev libpng-dev libjpeg62-turbo-dev libopenvdb-dev libembree-dev \
   pybind11-dev python3-dev python3-numpy
 TEST_PACKAGES := libgtest-dev libgmock-dev librapidcheck-dev python3 python3-jsonschema \
   python3-pytest python3-xarray python3-matplotlib mypy python3-setuptools python3-wheel python3-pip \
@@ -57,7 +57,7 @@ soak-collisions: release
 # libFuzzer on every reader of what comes from outside, with sanitizers, for FUZZ_SECONDS each;
 # corpora grow in build/fuzz/corpus from one call to the next. FUZZ: names of readers.
 FUZZ_SECONDS := 600
-FUZZ := stack csv exr vdb part walks run values tensor merl npz index settings model
+FUZZ := stack csv exr png jpeg obj vdb part walks run values tensor merl npz index settings model
 fuzz: install-test-packages install-build-packages
 	cmake --preset fuzz $(LAUNCHER)
 	cmake --build build/fuzz --target $(patsubst %,fuzz_%,$(FUZZ))

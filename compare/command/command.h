@@ -46,6 +46,8 @@ int bench_command(const Options& options);
 [[nodiscard]] std::vector<std::string> bench_parts();
 int accuracy_command(const Options& options);
 int preview_command(const Options& options, const std::vector<std::string>& pictures);
+/// preview --shape.
+int preview_shape_command(const Options& options, const std::vector<std::string>& pictures);
 int sweep_command(const Options& options);
 int show_command(const Options& options);
 int rerun_command(const Options& options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "analytic/catalogue/model_plugin.h"
+#include "analytic/layered/spongecake.h"
 #include "compare/command/command.h"
 #include "compare/command/divided_run.h"
 #include "compare/command/picture_options.h"
@@ -11,6 +12,7 @@
 #include "compare/files/output_folder.h"
 #include "compare/fit/fitted_models.h"
 #include "compare/judge/stack_comparison.h"
+#include "compare/maps/mean_model.h"
 #include "compare/options/progress.h"
 #include "compare/preview/preview_views.h"
 #include "compare/report/comparison_report.h"
@@ -42,6 +44,28 @@ TruthRequest preview_request(const TruthRequest& request) {
   return preview;
 }
 
+// The models that apply to the first texel, or that were asked for, as their means over all.
+std::vector<BoundModel> models_of_texels(const Options& options, const std::vector<Stack>& texels) {
+  std::vector<ModelRequest> requests = requests_for(model_requests(options), texels.front());
+  // Fits take seconds for every texel: further lobes come from the network, or there are none.
+  for (ModelRequest& request : requests)
+    if (request.name == "spongecake" && request.values.empty()) {
+      const bool predicted = std::all_of(texels.begin(), texels.end(), [](const Stack& texel) {
+        return why_no_network(texel).empty();
+      });
+      request.values.emplace_back("lobes", predicted ? "network" : "none");
+    }
+  std::vector<std::vector<BoundModel>> bound(requests.size());
+  for (const Stack& texel : texels) {
+    std::vector<BoundModel> models = fitted_models_for(requests, texel);
+    for (std::size_t m = 0; m < models.size(); ++m) bound[m].push_back(std::move(models[m]));
+  }
+  std::vector<BoundModel> means;
+  for (std::vector<BoundModel>& models : bound)
+    means.push_back(mean_over_texels(std::move(models)));
+  return means;
+}
+
 // Beyond --max-error.
 bool is_too_far(const StackComparison& comparison, const Options& options) {
   return options.max_error && worst_relative_rmse(comparison) > *options.max_error;
@@ -62,12 +86,17 @@ namespace {
 
 int compare_run(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
-  const TruthRequest request = truth_request(options, run.stack);
+  TruthRequest request = truth_request(options, run.stack);
+  request.texels = run.texels;
   const Stack& stack = request.stack;
+  if (options.preview && !run.texels.empty())
+    throw UsageError("--preview: found --at mean; allowed: --at U,V");
   const std::vector<PictureFormat> formats = picture_formats_of(run.pictures);
   if (options.preview) check_preview("compare --preview", stack);
   GroundTruth truth(request, Estimator::analog, monitor);
-  const std::vector<BoundModel> models = fitted_models_for(model_requests(options), stack);
+  const std::vector<BoundModel> models = run.texels.empty()
+                                             ? fitted_models_for(model_requests(options), stack)
+                                             : models_of_texels(options, run.texels);
   const InputFiles inputs(stack, objects_of(models));
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
   make_output_folder(folder);
@@ -145,7 +174,12 @@ int compare_command(const Options& options, const std::vector<std::string>& pict
                       options.truth_model.empty() ? "a measured material" : "--truth"));
     return compare_with_model_command(options, pictures);
   }
-  return do_divided(compare_divided(), {"compare", options, stack_of(options), {}, {}, pictures});
+  StackOrMean found = stack_or_mean_of(options);
+  return do_divided(compare_divided(), {.command = "compare",
+                                        .options = options,
+                                        .stack = std::move(found.stack),
+                                        .pictures = pictures,
+                                        .texels = std::move(found.texels)});
 }
 
 }  // namespace lamella

@@ -208,8 +208,8 @@ CommandAnswer stack_furnace(const Options& options, TruthRequest request, const 
     // A one-sided slab has a second furnace: radiance under uniform light from both sides.
     const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
                                       [](const Layer& l) { return is_delta(l.medium); });
-    if (!options.as_is && plan.transmits && !plan.boundaries && plan.folded &&
-        stack.one_sidedness() != 0 && !specular && !truth.is_stopped()) {
+    if (request.texels.empty() && !options.as_is && plan.transmits && !plan.boundaries &&
+        plan.folded && stack.one_sidedness() != 0 && !specular && !truth.is_stopped()) {
       const RadianceCheck check =
           run.is_bounded() ? check_radiance(*truth.choice().solution, wi)
                            : check_radiance(stack, plan, wi, run.walks, request.seed, monitor);
@@ -286,7 +286,12 @@ void check_furnace(const DividedRun& run) {
 int furnace_run(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
   if (!options.html.empty()) check_output_file(options.html);
-  const TruthRequest request = furnace_request(options, run.stack);
+  TruthRequest request = furnace_request(options, run.stack);
+  for (const Stack& texel : run.texels)
+    request.texels.push_back(options.as_is ? texel : with_surface_model(whitened(texel)));
+  if (!run.texels.empty() && !options.models.empty())
+    throw UsageError(
+        "--at: found mean for a furnace of --model; allowed: --at U,V, or the stack's furnace");
   std::FILE* out = options.quiet ? nullptr : table_stream(options);
   const bool of_models = !options.models.empty();
   const CommandAnswer found =
@@ -315,7 +320,11 @@ const DividedCommand& furnace_divided() {
 }
 
 int furnace_command(const Options& options) {
-  return do_divided(furnace_divided(), {"furnace", options, stack_of(options)});
+  StackOrMean found = stack_or_mean_of(options);
+  return do_divided(furnace_divided(), {.command = "furnace",
+                                        .options = options,
+                                        .stack = std::move(found.stack),
+                                        .texels = std::move(found.texels)});
 }
 
 }  // namespace lamella

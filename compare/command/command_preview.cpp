@@ -37,6 +37,13 @@ PreviewLighting lighting_of(const Options& options) {
 }  // namespace
 
 int preview_command(const Options& options, const std::vector<std::string>& pictures) {
+  if (!options.shape.empty()) return preview_shape_command(options, pictures);
+  for (const auto& [given, name] :
+       {std::pair(options.seconds.has_value(), "--time"),
+        std::pair(options.equal_time.has_value(), "--equal-time"),
+        std::pair(options.samples_given, "--samples"), std::pair(options.table, "--table"),
+        std::pair(options.white, "--white")})
+    if (given) throw UsageError(fmt::format("{}: found no --shape; allowed: beside it", name));
   const TruthRequest request = truth_request(options, stack_of(options));
   const Stack& stack = request.stack;
   check_preview("preview", stack);

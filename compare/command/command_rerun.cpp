@@ -76,6 +76,11 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
         fmt::format("{}: its truth was a measured material or a closed form, which is nothing to "
                     "repeat; allowed: lobes of a stack",
                     path));
+  if (image.attributes.contains("lamella.texels"))
+    throw UsageError(fmt::format(
+        "{}: it is the mean over {} texels of a map, which are not recorded; allowed: lobes of one "
+        "stack (--at U,V)",
+        path, text("texels")));
   RecordedRun recorded{.request = {}, .estimator = Estimator::analog, .walks = {}, .model = {}};
   TruthRequest& request = recorded.request;
   request.stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name")));

@@ -67,7 +67,8 @@ void print_run(std::FILE* out, const RunResult& run) {
 
 int simulate_run(const DividedRun& run_of, const RunMonitor& monitor) {
   const Options& options = run_of.options;
-  const TruthRequest request = truth_request(options, run_of.stack);
+  TruthRequest request = truth_request(options, run_of.stack);
+  request.texels = run_of.texels;
   const InputFiles inputs(request.stack);
   const Stack& stack = request.stack;
   GroundTruth truth(request, Estimator::analog, monitor);
@@ -121,7 +122,11 @@ const DividedCommand& simulate_divided() {
 }
 
 int simulate_command(const Options& options) {
-  return do_divided(simulate_divided(), {"simulate", options, stack_of(options)});
+  StackOrMean found = stack_or_mean_of(options);
+  return do_divided(simulate_divided(), {.command = "simulate",
+                                         .options = options,
+                                         .stack = std::move(found.stack),
+                                         .texels = std::move(found.texels)});
 }
 
 }  // namespace lamella

@@ -172,6 +172,8 @@ PartWork find_part(const DividedCommand& command, const DividedRun& run, const S
 int do_divided(const DividedCommand& command, const DividedRun& run) {
   const Options& options = run.options;
   Ranks* const ranks = started_ranks();
+  if (ranks && !run.texels.empty())
+    throw UsageError("--at: found mean with mpirun; allowed: --at U,V, or one process");
   check_output(command, options, !options.shard.empty());
   if (options.checkpoint_every && options.checkpoint.empty())
     throw UsageError("--checkpoint-every: found no --checkpoint; allowed: beside it");

@@ -24,6 +24,7 @@ struct DividedRun {
   std::string input{};                  ///< of eval: the pairs as CSV
   std::vector<std::string> pictures{};  ///< names of formats
   std::string folder{};                 ///< that answers of a sweep's points name files from
+  std::vector<Stack> texels{};          ///< TruthRequest::texels: such a run is not divided
 };
 
 /// A command that can be divided.

@@ -89,16 +89,58 @@ void define_preview(CommandLine& line) {
                                [&] { return preview_command(line.options, line.pictures); });
   add_stack(command, line);
   add_model(command, line, "A model to show beside the truth, repeatable (default: all)");
-  command.add_option("--light", line.options.light, "The lamp, from the viewer (default 45,45)")
+  command
+      .add_option("--light", line.options.light,
+                  "The lamp, from the viewer; with --shape also none (default 45,45)")
       ->type_name("THETA[,PHI]");
   command
-      .add_option("--environment", line.options.environment,
-                  "Light from everywhere: uniform, or a lat-long picture (default uniform)")
+      .add_option(
+          "--environment", line.options.environment,
+          "Light from everywhere: uniform, or a lat-long picture; with --shape also clear_sky "
+          "or overcast_sky (default uniform)")
       ->transform(named("uniform, or an EXR file"))
       ->type_name("uniform|FILE.exr");
   command.add_option("--size", line.options.size, "Pixels across (default 192)")
       ->transform(whole_number(16, 2048))
       ->type_name("N");
+  command
+      .add_option(
+          "--shape", line.options.shape,
+          "Trace paths on one object, the truth by walks: sphere, plane, cloth, knot, or an "
+          "OBJ file; any stack, with maps, too")
+      ->transform(named("sphere, plane, cloth, knot, or an OBJ file"))
+      ->type_name("SHAPE");
+  command
+      .add_option("--depth", line.options.depth,
+                  "With --shape, surfaces that a path may meet (default 4)")
+      ->transform(whole_number(1, 1000))
+      ->type_name("N");
+  command
+      .add_option_function<int>(
+          "--samples",
+          [&](int samples) {
+            line.options.samples = samples;
+            line.options.samples_given = true;
+          },
+          "With --shape, paths per pixel (default 64; with --time as many as it allows)")
+      ->transform(whole_number(1, 1000000))
+      ->type_name("N");
+  command.add_flag("--white", line.options.white,
+                   "With --shape, albedos, substrate and f0 at 1, as a white furnace has them");
+  command.add_flag(
+      "--table", line.options.table,
+      "With --shape, also the truth by its table, as pictures without --shape have it");
+  command
+      .add_option("--time", line.options.seconds, "With --shape, end each picture after S seconds")
+      ->transform(positive_number())
+      ->type_name("S");
+  command
+      .add_option(
+          "--equal-time", line.options.equal_time,
+          "With --shape, S seconds for walks, each closed form and the table: speed against "
+          "error, noise and bias apart")
+      ->transform(positive_number())
+      ->type_name("S");
   add_walks(command, line, "Walks per viewing direction, where the stack is not solved", 10000);
   add_walk_limits(command, line);
   add_estimator(command, line);
@@ -131,6 +173,7 @@ void define_samples(CommandLine& line) {
                   "--per-bsdf")
       ->transform(named(kAllowedStacks))
       ->expected(0, -1);
+  add_at(command, line);
   add_incident(command, line);
   command
       .add_option("--wi-distribution", line.options.incident_law,

@@ -166,6 +166,16 @@ void add_stack(CLI::App& command, CommandLine& line) {
       .add_option("STACK", line.options.stack,
                   "TOML file, - for stdin, or a built-in stack (lamella stacks)")
       ->transform(named(kAllowedStacks));
+  add_at(command, line);
+}
+
+void add_at(CLI::App& command, CommandLine& line) {
+  command
+      .add_option("--at", line.options.at,
+                  "The place on a stack with pictures among its values, u and v from 0 to 1; "
+                  "simulate, compare and furnace: or mean, over the whole picture")
+      ->transform(named("U,V or mean"))
+      ->type_name("U,V");
 }
 
 void add_json(CLI::App& command, CommandLine& line) {

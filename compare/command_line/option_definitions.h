@@ -24,6 +24,8 @@ inline constexpr const char* kAllowedStacks =
 
 /// Options that several commands share.
 void add_stack(CLI::App& command, CommandLine& line);
+/// --at, which add_stack has too.
+void add_at(CLI::App& command, CommandLine& line);
 void add_json(CLI::App& command, CommandLine& line);
 void add_html(CLI::App& command, CommandLine& line);
 void add_walks(CLI::App& command, CommandLine& line, const std::string& doc,

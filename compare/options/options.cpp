@@ -5,8 +5,10 @@
 #include <charconv>
 #include <cmath>
 
+#include "compare/maps/surface_stack.h"
 #include "compare/request/errors.h"
 #include "compare/request/numbers.h"
+#include "compare/request/split_text.h"
 #include "compare/request/substrate_model.h"
 #include "phase/stack/builtin_stacks.h"
 
@@ -62,9 +64,58 @@ std::uint64_t parse_walks(const std::string& text) {
   return *value;
 }
 
+namespace {
+
+constexpr const char* kMeanPlace = "mean";
+
+// The stack of --at, or of its absence; nothing for the mean.
+std::optional<Stack> stack_at_place(const Options& options, const SurfaceStack& surface,
+                                    bool has_mean) {
+  const std::string allowed = fmt::format("--at U,V, each from 0 to 1{}",
+                                          has_mean ? ", or --at mean, the mean over the map" : "");
+  if (!surface.has_maps()) {
+    if (!options.at.empty())
+      throw UsageError(
+          fmt::format("--at: found \"{}\" for {}, which has no pictures among its "
+                      "values; allowed: no --at",
+                      options.at, surface.name()));
+    return surface.at(0, 0);
+  }
+  if (options.at.empty())
+    throw UsageError(fmt::format("{} and no place; allowed: {}", surface.told(), allowed));
+  if (options.at == kMeanPlace && has_mean) return std::nullopt;
+  const std::vector<std::string> words = split_text(options.at, ',');
+  std::vector<double> place;
+  for (const std::string& word : words)
+    if (const auto value = parse_number(word); value && *value >= 0 && *value <= 1)
+      place.push_back(*value);
+  if (words.size() != 2 || place.size() != 2)
+    throw UsageError(fmt::format("--at: found \"{}\"; allowed: {}", options.at, allowed));
+  Stack stack = surface.at(place[0], place[1]);
+  stack.name += fmt::format("@{},{}", to_text(place[0]), to_text(place[1]));
+  return stack;
+}
+
+SurfaceStack surface_of(const Options& options) {
+  return SurfaceStack(
+      load_mapped_stack(options.stack.empty() ? std::string(kDefaultStack) : options.stack));
+}
+
+}  // namespace
+
 Stack stack_of(const Options& options) {
-  return with_surface_model(
-      load_stack(options.stack.empty() ? std::string(kDefaultStack) : options.stack));
+  return *stack_at_place(options, surface_of(options), false);
+}
+
+StackOrMean stack_or_mean_of(const Options& options) {
+  const SurfaceStack surface = surface_of(options);
+  if (auto stack = stack_at_place(options, surface, true)) return {std::move(*stack), {}};
+  if (!options.shard.empty() || !options.checkpoint.empty())
+    throw UsageError(
+        "--at: found mean beside --shard or --checkpoint; allowed: --at U,V, or neither of them");
+  std::vector<Stack> texels = surface.texels(options.seed);
+  for (Stack& texel : texels) texel.name += fmt::format("@{}", kMeanPlace);
+  return {texels.front(), texels};
 }
 
 Isa parse_isa(const std::string& text) {

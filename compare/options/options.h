@@ -15,6 +15,7 @@ namespace lamella {
 /// typed requests that the commands hand to the rest of the program.
 struct Options {
   std::string stack{};                  ///< name, file or "-"; empty: the default stack
+  std::string at{};                     ///< U,V or mean: the place on a stack with maps
   std::vector<std::string> incident{};  ///< THETA[,PHI] in degrees
   std::string incident_law{};           ///< of samples: uniform or cosine; empty: `incident`
   std::uint64_t walks = 1000000;
@@ -29,7 +30,7 @@ struct Options {
   int threads = 0;  ///< 0: all
   std::string isa = "auto";
   bool quiet = false, strict = false, as_is = false, quick = false;
-  bool coats = false;  ///< of accuracy: the layerings of a coat alone
+  bool coats = false;       ///< of accuracy: the layerings of a coat alone
   bool spongecake = false;  ///< of accuracy: SpongeCake's further lobes alone
   std::string json{}, html{}, output{};
   std::vector<std::string> only{};         ///< parts of bench; empty: all
@@ -43,15 +44,22 @@ struct Options {
   std::vector<std::string> contrasts{};                  ///< of homogenise, factors in [0, 1]
   std::string light = "45,45", environment = "uniform";  ///< of preview
   int size = 192;                                        ///< of preview, pixels
-  bool preview = false;                                  ///< compare: with a preview
-  bool all_figures = false;                              ///< of reproduce
-  std::string quality = "quick";                         ///< of reproduce
-  std::vector<std::string> sets{};                       ///< of sweep: PATH=VALUES
-  std::string of = "compare";                            ///< of sweep: compare or furnace
-  bool per_bsdf = false;                                 ///< of samples: a file per stack
-  bool lobes = false;                                    ///< of samples: cells, not walks
-  std::string design{};                                  ///< of samples: latin:N; empty: a grid
-  std::string medium = "vmf_flake";                      ///< that stands for explicit geometry
+  std::string shape{};  ///< of preview: an object to trace paths on; empty: sphere and plane
+  int depth = 4;        ///< of preview --shape: surfaces that a path may meet
+  int samples = 64;     ///< of preview --shape: per pixel
+  bool samples_given = false;
+  bool table = false;                  ///< of preview --shape: the truth's table, too
+  bool white = false;                  ///< of preview --shape: albedos, substrate and f0 at 1
+  std::optional<double> equal_time{};  ///< of preview --shape: seconds for each picture
+  bool preview = false;                ///< compare: with a preview
+  bool all_figures = false;            ///< of reproduce
+  std::string quality = "quick";       ///< of reproduce
+  std::vector<std::string> sets{};     ///< of sweep: PATH=VALUES
+  std::string of = "compare";          ///< of sweep: compare or furnace
+  bool per_bsdf = false;               ///< of samples: a file per stack
+  bool lobes = false;                  ///< of samples: cells, not walks
+  std::string design{};                ///< of samples: latin:N; empty: a grid
+  std::string medium = "vmf_flake";    ///< that stands for explicit geometry
   bool medium_given = false, walks_given = false;
   bool fit = false;                          ///< of measure: also by lobes
   std::string shard{};                       ///< I/N; empty: the whole run
@@ -66,7 +74,15 @@ struct Options {
 [[nodiscard]] CellGrid parse_grid(const std::string& text);
 /// --walks: digits, or a number like 1e6; at least one walk per batch.
 [[nodiscard]] std::uint64_t parse_walks(const std::string& text);
+/// STACK, at the place of --at where it has maps. Throws UsageError for such a stack without --at,
+/// and for --at mean.
 [[nodiscard]] Stack stack_of(const Options& options);
+/// STACK as commands take it that know the mean over a map.
+struct StackOrMean {
+  Stack stack;                  ///< of the mean: its first texel, with the name of the whole
+  std::vector<Stack> texels{};  ///< TruthRequest::texels
+};
+[[nodiscard]] StackOrMean stack_or_mean_of(const Options& options);
 /// A set's name, or what `auto` stands for on this machine. Throws UsageError.
 [[nodiscard]] Isa parse_isa(const std::string& text);
 /// --isa.

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "compare/files/output_folder.h"
+#include "compare/maps/surface_stack.h"
 #include "compare/python/bindings.h"
 #include "compare/report/json_report.h"
 #include "compare/request/substrate_model.h"
@@ -26,10 +27,21 @@ Stack builtin_stack(const std::string& name) {
   return with_surface_model(load_stack(name));
 }
 
-// A file, whatever built-in stack has its name.
-Stack read_stack(const std::string& path) {
-  return with_surface_model(
-      load_stack(path.find('/') == std::string::npos && path != "-" ? "./" + path : path));
+// A file, whatever built-in stack has its name; with maps the stack of a place.
+Stack read_stack(const std::string& path, const std::optional<std::pair<double, double>>& at) {
+  const std::string file = path.find('/') == std::string::npos && path != "-" ? "./" + path : path;
+  if (!at) return with_surface_model(load_stack(file));
+  const SurfaceStack surface(load_mapped_stack(file));
+  const auto [u, v] = *at;
+  if (!surface.has_maps() || !(u >= 0 && u <= 1 && v >= 0 && v <= 1))
+    throw StackFileError(
+        fmt::format("at: found ({}, {}) for {}, {}; allowed: u and v from 0 to 1 of a stack with "
+                    "pictures among its values",
+                    to_text(u), to_text(v), surface.name(),
+                    surface.has_maps() ? "which has maps" : "which has none"));
+  Stack stack = surface.at(u, v);
+  stack.name += fmt::format("@{},{}", to_text(u), to_text(v));
+  return stack;
 }
 
 // Its files named for a text that lies in the working directory.

@@ -88,6 +88,7 @@ Json json_header(const std::string& command, const TruthRequest& request) {
               {"command", command},
               {"version", LAMELLA_VERSION},
               {"stack", to_json(with_files_relative_to(request.stack, ""))}};
+  if (!request.texels.empty()) header["texels"] = request.texels.size();
   header.update(json_header(command, request.seed, request.isa));
   return header;
 }

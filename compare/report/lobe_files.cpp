@@ -96,6 +96,8 @@ std::map<std::string, std::string> file_attributes(const TruthRequest& request,
        "relative to w_i from 0; y: mu_o^2 in equal steps, normal incidence at the top; both "
        "directions point away from the stack; wiN: N-th incident direction (theta,phi in "
        "degrees); se: what lamella.se says"}};
+  if (!request.texels.empty())
+    attributes["lamella.texels"] = fmt::format("{}", request.texels.size());
   add_error_attributes(attributes, runs, request.tolerance);
   return attributes;
 }

@@ -27,6 +27,9 @@ enum class WalkSetting { walks, target_error, max_order, thin_from, seconds };
 /// calling thread's task arena.
 struct TruthRequest {
   Stack stack{};
+  /// Stacks whose mean is asked for in the place of `stack`, which then is the first of them: the
+  /// places of a map (compare/maps/surface_stack.h). Empty: `stack` alone.
+  std::vector<Stack> texels{};
   /// Incident, unit. Below z = 0: light from below, where the stack is open there.
   std::vector<Direction> directions = default_directions();
   std::optional<Estimator> estimator{};  ///< nothing: `auto`, whichever suits the stack

@@ -8,7 +8,9 @@
 
 #include "compare/request/interrupt.h"
 #include "compare/request/run_keeper.h"
+#include "compare/request/stopwatch.h"
 #include "compare/truth/pilot.h"
+#include "compare/truth/texel_mean.h"
 #include "phase/math/degrees.h"
 #include "phase/math/larger_error.h"
 #include "volume/result/number_bytes.h"
@@ -63,9 +65,12 @@ GroundTruth::GroundTruth(TruthRequest request, Estimator of_walks, RunMonitor mo
     : request_(std::move(request)),
       of_walks_(of_walks),
       monitor_(std::move(monitor)),
-      plan_(plan_of(request_)),
+      plan_(request_.texels.empty() ? plan_of(request_) : texel_plan(request_)),
       look_(request_, request_.directions.size()) {
-  check_estimator(request_);
+  if (request_.texels.empty())
+    check_estimator(request_);
+  else
+    check_texel_mean(request_);
   for (const std::string& warning : plan_.warnings) monitor_.warn(warning);
 }
 
@@ -112,6 +117,13 @@ void GroundTruth::restore_choice(std::string_view bytes) {
 }
 
 void GroundTruth::choose() {
+  if (!request_.texels.empty()) {
+    choice_ = EstimatorChoice{
+        request_.estimator.value_or(of_walks_),
+        fmt::format("the mean over a map walks through {} texels", request_.texels.size()),
+        nullptr};
+    return;
+  }
   choice_ = choose_estimator(request_, of_walks_, monitor_.stop, monitor_.solver);
   if (choice_->solution) solve_cells();
   if (choice_->has_harmonics()) solve_harmonics();
@@ -199,6 +211,17 @@ Truth GroundTruth::find(std::size_t k, std::optional<std::uint64_t> walks) {
   if (estimator == Estimator::deterministic) {
     truth.run = solved_[k];
     warn_of_accuracy(truth.run, request_.tolerance, monitor_);
+    return truth;
+  }
+  if (!request_.texels.empty()) {
+    StopRule of_texels = walks ? request_.effort : look_.next();
+    of_texels.walks = walks.value_or(of_texels.walks);
+    const double seconds = wall_seconds_of(
+        [&] { truth.batches = walk_texels(request_, plan_, wi, estimator, of_texels, monitor_); });
+    if (monitor_.finished) monitor_.finished();
+    truth.run = reduce(*truth.batches);
+    truth.run.seconds = seconds;
+    if (is_stopped()) monitor_.warn("interrupted: a part of the map has no walks");
     return truth;
   }
   truth.batches = std::make_unique<Simulation>(request_.stack, plan_, wi, estimator, request_.cells,

@@ -172,9 +172,9 @@ const std::vector<BuiltinStack>& builtin_stacks() {
   return list;
 }
 
-Stack load_stack(const std::string& what) {
+MappedStack load_mapped_stack(const std::string& what) {
   for (const BuiltinStack& stack : builtin_stacks())
-    if (stack.name == what) return parse_stack(stack.toml, "<built-in " + what + ">", what);
+    if (stack.name == what) return {stack.toml, "<built-in " + what + ">", what};
   // A stack file of a thousand layers has some hundred kilobytes.
   constexpr std::size_t kMostBytes = std::size_t{16} << 20;
   namespace fs = std::filesystem;
@@ -193,8 +193,10 @@ Stack load_stack(const std::string& what) {
                     "stacks lists them){}",
                     in ? "<stdin>" : what, reason, hint.empty() ? "" : "; " + hint));
   }
-  return in ? parse_stack(text, "<stdin>", "stdin")
-            : parse_stack(text, what, fs::path(what).stem().string());
+  return in ? MappedStack(text, "<stdin>", "stdin")
+            : MappedStack(text, what, fs::path(what).stem().string());
 }
+
+Stack load_stack(const std::string& what) { return load_mapped_stack(what).plain(); }
 
 }  // namespace lamella

@@ -53,6 +53,8 @@ std::string unknown_key(std::string_view key, const std::vector<std::string>& al
 }
 
 void KeyReader::fail(const toml::source_region& where, const std::string& message) const {
+  // A value that was taken from a picture stands in no line.
+  if (where.begin.line == 0) throw StackFileError(fmt::format("{}: {}", file_, message));
   throw StackFileError(fmt::format("{}:{}: {}", file_, where.begin.line, message));
 }
 
@@ -78,7 +80,9 @@ Parameters KeyReader::read_keys(const toml::table& table, const std::vector<Para
     try {
       parameters.set(info->name, checked(*info, *value));
     } catch (const ParameterError& error) {
-      fail(node.source(), fmt::format("{}: {}", where, error.what()));
+      const bool number = info->kind != ParameterKind::choice && node.is_string();
+      fail(node.source(), fmt::format("{}: {}{}", where, error.what(),
+                                      number ? ", or a picture (.exr, .png, .jpg)" : ""));
     }
   }
   fill_defaults(infos, parameters);

@@ -19,6 +19,7 @@ LIMIT = float(os.environ.get("LAMELLA_TEST_TIMEOUT", 200))
 WITH_CAIRO = os.environ["LAMELLA_CAIRO"] == "ON"
 WITH_CERES = os.environ["LAMELLA_CERES"] == "ON"
 WITH_EMBREE = os.environ["LAMELLA_EMBREE"] == "ON"
+WITH_PICTURES = os.environ["LAMELLA_PICTURES"] == "ON"
 SCHEMAS = pathlib.Path(os.environ["LAMELLA_SCHEMA"])
 
 # What may differ between equal runs.

@@ -23,6 +23,8 @@ WRONG = {
     "F": [*NUMBERS, "2"],
     "MUxPHI": ["", "x", "4", "0x8", "4x", "4x8x2", "-4x8", "99999x1"],
     "THETA[,PHI]": ["", "x", "-1", "200", "30,", "30,x", "1,2,3", "nan"],
+    "U,V": ["", "x", "0.5", "2,0", "0,1,2", "nan,0", "mean"],
+    "SHAPE": ["", "none.obj", "folder", "file"],
     "MU": ["", "x", "0", "1.5", "nan"],
     "THETA": ["", "x", "-1", "91", "nan"],
     "FILE": ["", "none/x.json", "folder", "file/x.json"],

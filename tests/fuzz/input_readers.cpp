@@ -17,6 +17,7 @@
 #include "compare/files/content_hash.h"
 #include "compare/files/exr_file.h"
 #include "compare/files/exr_parts.h"
+#include "compare/files/picture_file.h"
 #include "compare/files/zip_entries.h"
 #include "compare/library/library_index.h"
 #include "compare/options/run_settings.h"
@@ -29,6 +30,7 @@
 #include "compare/truth/ground_truth.h"
 #include "compare/truth/point_truth.h"
 #include "phase/stack/builtin_stacks.h"
+#include "volume/mesh/triangle_mesh.h"
 #include "volume/result/number_bytes.h"
 #include "volume/result/run_bytes.h"
 #include "volume/run/saved_walks.h"
@@ -119,6 +121,50 @@ bool read_exr_file(const std::string& bytes) {
     (void)read_exr(file.path());
     (void)read_lobes(file.path());
   });
+}
+
+bool read_png_bytes(const std::string& bytes) {
+  return taken<OutputError>([&] { (void)read_png(bytes, "fuzz.png"); });
+}
+
+bool read_jpeg_bytes(const std::string& bytes) {
+  return taken<OutputError>([&] { (void)read_jpeg(bytes, "fuzz.jpg"); });
+}
+
+bool read_obj_file(const std::string& bytes) {
+  const MemoryFile file(bytes);
+  return taken<MeshError>([&] { (void)read_obj(file.path()); });
+}
+
+std::string from_digits(std::string_view digits) {
+  std::string bytes;
+  for (std::size_t k = 0; k + 1 < digits.size(); k += 2)
+    bytes += static_cast<char>(std::stoi(std::string(digits.substr(k, 2)), nullptr, 16));
+  return bytes;
+}
+
+// 3 x 3 pixels of 8 bits in colour, 3 x 2 of 16 bits in grey.
+std::vector<std::string> png_seeds() {
+  return {from_digits(
+              "89504e470d0a1a0a0000000d4948445200000003000000030802000000d94a22e8000000244944415478"
+              "9c636060e09463e0b461e06460d0e094d3e0b4d100b20238e502386d0238011f0802c8f6825a34000000"
+              "0049454e44ae426082"),
+          from_digits(
+              "89504e470d0a1a0a0000000d4948445200000003000000021000000000e88fe585000000164944415478"
+              "9c636060607ec17e81818191f925fb450013a903884ad2cabb0000000049454e44ae426082")};
+}
+
+// 8 x 8 pixels, grey.
+std::vector<std::string> jpeg_seeds() {
+  return {from_digits(
+      "ffd8ffe000104a46494600010100000100010000ffdb0043000302020302020303030304030304050805"
+      "050404050a070706080c0a0c0c0b0a0b0b0d0e12100d0e110e0b0b1016101113141515150c0f17181614"
+      "1812141514ffc0000b080008000801011100ffc40014000100000000000000000000000000000000ffc4"
+      "0014100100000000000000000000000000000000ffda0008010100003f003fffd9")};
+}
+
+std::vector<std::string> obj_seeds() {
+  return {"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 4//1 -2\n"};
 }
 
 bool read_vdb_file(const std::string& bytes) {
@@ -320,6 +366,9 @@ const std::vector<InputReader>& input_readers() {
   static const std::vector<InputReader> list{
       {"csv", read_csv, csv_seeds, 2000},
       {"exr", read_exr_file, exr_seeds, 100},
+      {"png", read_png_bytes, png_seeds, 1000},
+      {"jpeg", read_jpeg_bytes, jpeg_seeds, 1000},
+      {"obj", read_obj_file, obj_seeds, 2000},
       {"vdb", read_vdb_file, vdb_seeds, 20},
       {"part", read_part, part_seeds, 500},
       {"walks", read_walks, walk_seeds, 500},

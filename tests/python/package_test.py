@@ -63,6 +63,24 @@ def test_files_and_stacks(tmp_path):
     assert lm.Stack.read(tmp_path / "sand.toml").name == "sand"
 
 
+def test_a_stack_with_maps_is_read_at_a_place(tmp_path):
+    # A plane of cells that lobes were saved in is a picture, too: f / 4 is in [0, 1].
+    lm.simulate(lm.Stack.builtin("lambert_sphere_halfspace"), wi=[30], grid=(2, 4), walks=1000).save(
+        tmp_path / "lobes.exr")
+    (tmp_path / "mapped.toml").write_text(
+        '[substrate]\nalbedo = { map = "lobes.exr", scale = [0, 0.25], filter = "nearest" }\n')
+    stack = lm.Stack.read(tmp_path / "mapped.toml", at=(0.1, 0.9))
+    assert stack.name == "mapped@0.1,0.9"
+    top_left = lm.read(tmp_path / "lobes.exr")["reflect", "all"][0]
+    assert any(np.isclose(stack.resolved["substrate"]["albedo"], top_left.ravel() / 4, rtol=1e-6))
+    for at in (None, (0.5, 2)):
+        with pytest.raises(ValueError, match="mapped"):
+            lm.Stack.read(tmp_path / "mapped.toml", at=at)
+    with pytest.raises(ValueError, match="none"):
+        lm.Stack.builtin("vmf_sand").save(tmp_path / "sand.toml")
+        lm.Stack.read(tmp_path / "sand.toml", at=(0, 0))
+
+
 # Arrays
 
 def test_lobes_are_views(monkeypatch):

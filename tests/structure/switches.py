@@ -1,4 +1,4 @@
-"""switches.py SOURCE CXX: a build without OpenVDB, Embree, Ceres, Cairo and Python needs none.
+"""switches.py SOURCE CXX: a build without the libraries that have switches needs none of them.
 
 Configures the core build of the README in a temporary folder, holds what would be compiled and
 linked against the names of those libraries, and compiles what stands in the place of their sources.
@@ -13,8 +13,8 @@ import sys
 import tempfile
 
 SWITCHES = {"OPENVDB": r"openvdb/", "EMBREE": r"embree\d?/", "CERES": r"ceres/", "CAIRO": r"cairo[\w-]*\.h",
-            "PYTHON": r"pybind11/", "MPI": r"mpi\.h"}
-LINKED = r"openvdb|embree|ceres|cairo|python3|libmpi"
+            "PICTURES": r"(png|jpeglib)\.h", "PYTHON": r"pybind11/", "MPI": r"mpi\.h"}
+LINKED = r"openvdb|embree|ceres|cairo|python3|libmpi|libpng|libjpeg"
 
 
 def configured(source, compiler, folder):

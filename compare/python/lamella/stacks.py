@@ -89,9 +89,11 @@ class Stack:
         return cls._of(_core.builtin_stack(name))
 
     @classmethod
-    def read(cls, path: Union[str, "os.PathLike[str]"]) -> "Stack":
-        """A stack file (TOML). Grids that it names are relative to it."""
-        return cls._of(_core.read_stack(os.fspath(path)))
+    def read(cls, path: Union[str, "os.PathLike[str]"],
+             at: Optional[tuple[float, float]] = None) -> "Stack":
+        """A stack file (TOML). Grids and pictures that it names are relative to it. `at`: the place
+        (u, v), both from 0 to 1, on a stack with pictures among its values."""
+        return cls._of(_core.read_stack(os.fspath(path), at))
 
     @classmethod
     def parse(cls, text: str, name: str = "stack") -> "Stack":

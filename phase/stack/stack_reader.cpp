@@ -1,4 +1,4 @@
-#include "phase/stack/stack_file.h"
+#include "phase/stack/stack_reader.h"
 
 #include <fmt/format.h>
 
@@ -9,25 +9,12 @@
 #include "phase/parameters/one_line.h"
 #include "phase/stack/grid_keys.h"
 #include "phase/stack/key_reader.h"
+#include "phase/stack/layer_keys.h"
+#include "phase/stack/stack_file_error.h"
 
 namespace lamella {
 namespace {
 
-const ParameterInfo kAlbedo{.name = "albedo",
-                            .kind = ParameterKind::color,
-                            .unit = "1",
-                            .doc = "single-scattering albedo",
-                            .default_value = "1",
-                            .min = 0,
-                            .max = 1};
-const ParameterInfo kThickness{
-    .name = "thickness", .unit = "mm", .doc = "inf for a half space", .min = 0};
-const ParameterInfo kDensity{.name = "density",
-                             .unit = "1/mm",
-                             .doc = "multiplies sigma",
-                             .default_value = "1",
-                             .min = 0,
-                             .max_open = true};
 const ParameterInfo kBsdf{.name = "bsdf",
                           .kind = ParameterKind::choice,
                           .unit = "1",
@@ -136,13 +123,13 @@ class Reader : KeyReader {
                        described(*medium), hint.empty() ? "" : " (" + hint + ")", listed(names)));
     }
     std::vector<ParameterInfo> infos = info->parameters;
-    infos.insert(infos.end(), {kAlbedo, kThickness, kDensity});
+    infos.insert(infos.end(), {albedo_key(), thickness_key(), density_key()});
     std::vector<std::string> others{"medium"};
     others.insert(others.end(), grid_keys().begin(), grid_keys().end());
     Parameters all = read_keys(table, infos, others, where);
     if (!all.has("thickness"))
       fail(table.source(), fmt::format("{}: key \"thickness\": found nothing; allowed: {}", where,
-                                       allowed_values(kThickness)));
+                                       allowed_values(thickness_key())));
     const double thickness = all.number("thickness"), density = all.number("density");
     if (std::isinf(thickness) && density == 0)
       fail(table.get("density")->source(),
@@ -202,7 +189,7 @@ class Reader : KeyReader {
   Layer read_geometry(const toml::table& table, const GeometryInfo& info,
                       const std::string& where) const {
     std::vector<ParameterInfo> infos = info.parameters;
-    infos.push_back(kAlbedo);
+    infos.push_back(albedo_key());
     Parameters all = read_keys(table, infos, {"medium"}, where);
     Layer layer{.medium_name = info.name,
                 .parameters = {},
@@ -247,7 +234,7 @@ class Reader : KeyReader {
       return substrate;
     }
     const bool has_albedo = table.contains("albedo");
-    const Parameters p = read_keys(table, {kBsdf, kAlbedo}, {}, "substrate");
+    const Parameters p = read_keys(table, {kBsdf, albedo_key()}, {}, "substrate");
     if (p.choice("bsdf") == "lambert") return {.albedo = p.color("albedo")};
     if (has_albedo && p.color("albedo").max() > 0)
       fail(table.get("albedo")->source(),
@@ -272,14 +259,17 @@ class Reader : KeyReader {
 
 }  // namespace
 
-Stack parse_stack(std::string_view text, const std::string& file, std::string name) {
+toml::table parse_toml(std::string_view text, const std::string& file) {
   try {
-    const toml::table root = toml::parse(text, file);
-    return Reader(file).read(root, std::move(name));
+    return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
     throw StackFileError(fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line,
                                      one_line(error.description())));
   }
+}
+
+Stack read_stack(const toml::table& root, const std::string& file, std::string name) {
+  return Reader(file).read(root, std::move(name));
 }
 
 }  // namespace lamella

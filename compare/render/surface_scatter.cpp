@@ -1,0 +1,211 @@
+#include "compare/render/surface_scatter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
+#include "compare/request/errors.h"
+#include "phase/math/sampling.h"
+#include "phase/random/random.h"
+#include "volume/run/viewed_walk.h"
+
+namespace lamella {
+namespace {
+
+// What stands for the density of where a walk leaves [1/sr]: lights that are sampled more densely
+// are found by aiming, wide ones by following walks, whose weights do not exceed 1.
+constexpr double kWalkDensity = 2;
+
+class WalkedSurface final : public SurfaceScatter {
+ public:
+  WalkedSurface(StackOfPlaces stack, const WalkLimits& limits)
+      : stack_(std::move(stack)),
+        limits_(limits),
+        columns_(std::min(stack_.columns, kMostPlaces)),
+        rows_(std::min(stack_.rows, kMostPlaces)),
+        places_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
+    // Refuses early, and knows the sides: those of a map's stacks are the same everywhere.
+    const Stack middle = stack_.at(0.5, 0.5);
+    if (middle.substrate && !middle.substrate->model.empty())
+      if (const ModelInfo* form = find_model(middle.substrate->model); form && !form->reciprocal)
+        throw std::invalid_argument(fmt::format(
+            "{}: found a substrate whose closed form, {}, is not reciprocal; allowed: one that is",
+            middle.name, form->name));
+    transmits_ = place(0.5, 0.5).transmits();
+  }
+
+  [[nodiscard]] bool transmits() const override { return transmits_; }
+
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
+                                  std::uint64_t seed, std::uint64_t number) const override {
+    const ViewedLight light = place(u, v).follow(wo, wi, seed, number);
+    Scattered out{light.f, kWalkDensity, {}};
+    if (light.departure)
+      out.next = Scattered::Next{
+          light.departure->wi, light.departure->weight,
+          light.departure->unaimed ? std::optional<double>() : std::optional(kWalkDensity),
+          light.departure->straight};
+    return out;
+  }
+
+  [[nodiscard]] double uncollided(double u, double v, Direction w) const override {
+    return place(u, v).uncollided(w);
+  }
+
+ private:
+  [[nodiscard]] const ViewedStack& place(double u, double v) const {
+    const auto index = [](double x, int count) {
+      return static_cast<std::size_t>(
+          std::min(static_cast<int>((x - std::floor(x)) * count), count - 1));
+    };
+    const std::size_t column = index(u, columns_), row = index(v, rows_);
+    Place& at = places_[row * static_cast<std::size_t>(columns_) + column];
+    if (const ViewedStack* made = at.made.load(std::memory_order_acquire)) return *made;
+    const std::lock_guard lock(making_);
+    if (!at.stack) {
+      at.stack =
+          std::make_unique<ViewedStack>(stack_.at((static_cast<double>(column) + 0.5) / columns_,
+                                                  (static_cast<double>(row) + 0.5) / rows_),
+                                        limits_);
+      at.made.store(at.stack.get(), std::memory_order_release);
+    }
+    return *at.stack;
+  }
+
+  struct Place {
+    std::atomic<const ViewedStack*> made{nullptr};
+    std::unique_ptr<ViewedStack> stack;
+  };
+
+  StackOfPlaces stack_;
+  WalkLimits limits_;
+  int columns_, rows_;
+  bool transmits_ = false;
+  mutable std::vector<Place> places_;
+  mutable std::mutex making_;
+};
+
+// Uniforms of a closed form's sample.
+RandomStream sample_stream(std::uint64_t seed, std::uint64_t number) {
+  return {seed, number, StreamPurpose::model};
+}
+
+Direction cosine_direction(RandomStream& stream, bool up) {
+  Direction w = cosine_hemisphere(Direction{0, 0, 1}, stream.uniform(), stream.uniform());
+  w.z = std::max(w.z, 1e-9);
+  if (!up) w.z = -w.z;
+  return w;
+}
+
+class ClosedSurface final : public SurfaceScatter {
+ public:
+  ClosedSurface(const Model& model, bool transmits) : model_(model), transmits_(transmits) {}
+
+  [[nodiscard]] bool transmits() const override { return transmits_; }
+  [[nodiscard]] double uncollided(double, double, Direction w) const override {
+    return transmits_ ? model_.uncollided(w) : 0;
+  }
+
+  [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
+                                  std::uint64_t seed, std::uint64_t number) const override {
+    RandomStream stream = sample_stream(seed, number);
+    // Deltas, then the closed form's own sampler on w_o's side, or a cosine on the other.
+    const Rgb mirror = model_.specular(wo);
+    const double passes = transmits_ ? model_.uncollided(-wo) : 0;
+    const double p_mirror = std::min(0.4, mirror.max()), p_pass = std::min(0.4, passes);
+    const double rest = 1 - p_mirror - p_pass, p_side = transmits_ ? 0.5 * rest : rest;
+    // The model's sampler may know both sides: a mixture of it and the cosine beyond.
+    const auto density_of = [&](Direction w) {
+      const bool beyond = (w.z > 0) != (wo.z > 0);
+      return p_side * model_.pdf(w, wo) + (beyond ? (rest - p_side) * std::abs(w.z) / kPi : 0);
+    };
+    Scattered out;
+    if (wi) {
+      out.f = model_.eval(*wi, wo);
+      out.target_density = density_of(*wi);
+    }
+    const double u = stream.uniform();
+    if (u < p_mirror) {
+      out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
+    } else if (u < p_mirror + p_pass) {
+      // By reciprocity: light from -wo.
+      out.next = Scattered::Next{-wo, Rgb(passes / p_pass), {}, true};
+    } else {
+      std::optional<Direction> w;
+      if (u < p_mirror + p_pass + p_side) {
+        const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
+        w = model_.sample(wo, u1, u2, u3);
+      } else {
+        w = cosine_direction(stream, wo.z < 0);
+      }
+      if (!w || w->z == 0) return out;
+      const double density = density_of(*w);
+      if (density > 0)
+        out.next = Scattered::Next{*w, (std::abs(w->z) / density) * model_.eval(*w, wo), density};
+    }
+    return out;
+  }
+
+ private:
+  const Model& model_;
+  bool transmits_;
+};
+
+class TabulatedSurface final : public SurfaceScatter {
+ public:
+  TabulatedSurface(std::function<std::function<Rgb(Direction)>(Direction)> towards,
+                   std::function<Rgb(Direction)> specular)
+      : towards_(std::move(towards)), specular_(std::move(specular)) {}
+
+  [[nodiscard]] bool transmits() const override { return false; }
+  [[nodiscard]] double uncollided(double, double, Direction) const override { return 0; }
+
+  [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
+                                  std::uint64_t seed, std::uint64_t number) const override {
+    RandomStream stream = sample_stream(seed, number);
+    const auto f = towards_(wo);
+    const Rgb mirror = specular_ ? specular_(wo) : Rgb();
+    const double p_mirror = std::min(0.5, mirror.max());
+    Scattered out;
+    if (wi && wi->z > 0) {
+      out.f = f(*wi);
+      out.target_density = (1 - p_mirror) * wi->z / kPi;
+    }
+    if (stream.uniform() < p_mirror) {
+      out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
+    } else {
+      const Direction w = cosine_direction(stream, true);
+      out.next = Scattered::Next{w, (kPi / (1 - p_mirror)) * f(w), (1 - p_mirror) * w.z / kPi};
+    }
+    return out;
+  }
+
+ private:
+  std::function<std::function<Rgb(Direction)>(Direction)> towards_;
+  std::function<Rgb(Direction)> specular_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceScatter> walked_surface(StackOfPlaces stack, const WalkLimits& limits) {
+  try {
+    return std::make_unique<WalkedSurface>(std::move(stack), limits);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("preview --shape: {}", error.what()));
+  }
+}
+
+std::unique_ptr<SurfaceScatter> closed_surface(const Model& model, bool transmits) {
+  return std::make_unique<ClosedSurface>(model, transmits);
+}
+
+std::unique_ptr<SurfaceScatter> tabulated_surface(
+    std::function<std::function<Rgb(Direction)>(Direction)> towards,
+    std::function<Rgb(Direction)> specular) {
+  return std::make_unique<TabulatedSurface>(std::move(towards), std::move(specular));
+}
+
+}  // namespace lamella

@@ -1,0 +1,136 @@
+#include "compare/truth/texel_mean.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/request/errors.h"
+
+namespace lamella {
+namespace {
+
+Plan plan_of_texel(const TruthRequest& request, const Stack& texel) {
+  TruthRequest of_texel;
+  of_texel.stack = texel;
+  of_texel.limits = request.limits;
+  of_texel.isa = request.isa;
+  return plan_of(of_texel);
+}
+
+// The texel's own layers, and everything else as all texels need it.
+Plan widened(Plan plan, const Plan& all) {
+  plan.channels = all.channels;
+  plan.folded = all.folded;
+  plan.boundaries = all.boundaries;
+  plan.rough_boundaries = all.rough_boundaries;
+  plan.transmits = all.transmits;
+  plan.max_order = all.max_order;
+  plan.thinning = all.thinning;
+  return plan;
+}
+
+void add(EnergySums::Channels& to, const EnergySums::Channels& from) {
+  for (std::size_t c = 0; c < to.size(); ++c) to[c] += from[c];
+}
+
+void add(BatchTally& to, const BatchTally& from) {
+  to.walks += from.walks;
+  to.collisions += from.collisions;
+  to.holes += from.holes;
+  for (std::size_t o = 0; o < to.energy.up.size(); ++o) {
+    add(to.energy.up[o], from.energy.up[o]);
+    add(to.energy.down[o], from.energy.down[o]);
+  }
+  const EnergySums& e = from.energy;
+  add(to.energy.zero_up, e.zero_up);
+  add(to.energy.zero_down, e.zero_down);
+  add(to.energy.specular_up, e.specular_up);
+  add(to.energy.specular_down, e.specular_down);
+  add(to.energy.uncollided, e.uncollided);
+  add(to.energy.absorbed, e.absorbed);
+  add(to.energy.unresolved, e.unresolved);
+  add(to.energy.lost, e.lost);
+  add(to.energy.thinned, e.thinned);
+  to.f.resize(std::max(to.f.size(), from.f.size()));
+  for (std::size_t k = 0; k < from.f.size(); ++k) to.f[k] += from.f[k];
+}
+
+std::uint64_t whole_batches(double walks) {
+  const double batches = std::ceil(walks / kBatches);
+  return kBatches * static_cast<std::uint64_t>(std::max(1.0, batches));
+}
+
+}  // namespace
+
+void check_texel_mean(const TruthRequest& request) {
+  const auto refuse = [](const std::string& found) {
+    throw UsageError(fmt::format(
+        "--at mean: found {}; allowed: a number of walks or a time, through homogeneous layers "
+        "(--at U,V takes one place)",
+        found));
+  };
+  if (request.estimator == Estimator::deterministic) refuse("--estimator deterministic");
+  if (request.effort.target_error) refuse("--target-error");
+  for (const Stack& texel : request.texels) {
+    if (texel.grains()) refuse("explicit geometry");
+    if (texel.has_grid()) refuse("a density grid");
+  }
+}
+
+Plan texel_plan(const TruthRequest& request) {
+  Plan all = plan_of_texel(request, request.texels.front());
+  for (const Stack& texel : request.texels) {
+    const Plan plan = plan_of_texel(request, texel);
+    all.channels = std::max(all.channels, plan.channels);
+    all.folded = all.folded && plan.folded;
+    all.boundaries = all.boundaries || plan.boundaries;
+    all.rough_boundaries = all.rough_boundaries || plan.rough_boundaries;
+    all.transmits = all.transmits || plan.transmits;
+    all.max_order = std::max(all.max_order, plan.max_order);
+    if (!all.thinning.is_on()) all.thinning = plan.thinning;
+  }
+  return all;
+}
+
+std::unique_ptr<Simulation> walk_texels(const TruthRequest& request, const Plan& plan, Direction wi,
+                                        Estimator estimator, StopRule rule,
+                                        const RunMonitor& monitor) {
+  const std::vector<Stack>& texels = request.texels;
+  const auto simulation_of = [&](std::size_t k) {
+    // Seeds of their own, far apart: walks of neighbouring texels share no numbers.
+    const std::uint64_t seed = request.seed + 0x9E3779B97F4A7C15ULL * k;
+    return std::make_unique<Simulation>(texels[k], widened(plan_of_texel(request, texels[k]), plan),
+                                        wi, estimator, request.cells, seed);
+  };
+  const auto count = static_cast<double>(texels.size());
+  std::uint64_t walks = whole_batches(static_cast<double>(rule.walks) / count);
+  if (rule.seconds) {
+    const auto pilot = simulation_of(texels.size() / 2);
+    StopRule share = rule;
+    share.walks = walks;
+    share.seconds = *rule.seconds / count;
+    run(*pilot, share, {}, monitor.stop);
+    walks = std::min(walks, whole_batches(static_cast<double>(pilot->walks())));
+  }
+  std::vector<BatchTally> batches(kBatches);
+  std::uint64_t done = 0;
+  for (std::size_t k = 0; k < texels.size() && !(monitor.is_stopped() && k > 0); ++k) {
+    const auto simulation = simulation_of(k);
+    simulation->advance(walks);
+    done += walks;
+    for (const BatchTally& batch : simulation->batches()) add(batches[k % kBatches], batch);
+    if (monitor.progress)
+      monitor.progress(fmt::format("texel {} of {}", k + 1, texels.size()),
+                       {done, walks * texels.size(), 0});
+  }
+  auto all = simulation_of(0);
+  const std::size_t size = all->batches().front().f.size();
+  for (int b = 0; b < kBatches; ++b) {
+    batches[static_cast<std::size_t>(b)].f.resize(size);
+    all->restore(b, std::move(batches[static_cast<std::size_t>(b)]), "");
+  }
+  all->restore_walks(done);
+  return all;
+}
+
+}  // namespace lamella

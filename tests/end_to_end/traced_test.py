@@ -1,0 +1,141 @@
+"""preview --shape: paths on objects, by walks, closed forms and tables."""
+
+import os
+import unittest
+
+from lamella_program import WITH_CAIRO, WITH_EMBREE, ProgramTest
+from exr_writer import Part, exr_bytes
+
+# One-sided and two-sided flakes, particles, a half space, slabs that let light pass, facets and a
+# coat that lose nothing. In the soak: every built-in stack of layers without single scattering at
+# interfaces.
+WHITE = ["sggx_slab", "lambert_sphere_halfspace", "vmf_sand", "hg_slab", "rough_metal_multiple",
+         "frosted_plate_multiple", "coat_over_dark"]
+if "LAMELLA_SOAK" in os.environ:
+    WHITE += ["spongecake_two_layer", "spongecake_window_shade", "spongecake_fabric", "spongecake_plant",
+              "spongecake_wood", "spongecake_sheen", "spongecake_copper", "isotropic_halfspace", "isotropic_slab",
+              "vmf_r_0.025", "vmf_r_0.9", "vmf_r_1", "coat_over_bright"]
+
+
+class PathsOnAnObject(ProgramTest):
+    def traced(self, *arguments):
+        answer = self.json_of("preview", *arguments, "--quiet", "-o", "out")
+        return {picture["name"]: picture for picture in answer["traced"]["pictures"]}
+
+    def test_see_white_stacks_as_1_under_uniform_light(self):
+        for stack in WHITE:
+            with self.subTest(stack):
+                truth = self.traced(stack, "--white", "--shape", "sphere", "--light", "none", "--depth", "64", "--size",
+                                    "16", "--samples", "128", "--model", "lambert,albedo=1")
+                for name, picture in truth.items():
+                    # Long walks of a white half space are thinned: each that is left counts much.
+                    self.assertLess(picture["standard_error"], 0.02 if "halfspace" in stack else 0.01, name)
+                    # The chance of a false alarm at 4.5 standard errors is 7e-6.
+                    self.assertAlmostEqual(picture["mean_luminance"] + picture["cut"], 1,
+                                           delta=4.5 * picture["standard_error"] + 1e-9, msg=name)
+
+    @unittest.skipUnless(WITH_EMBREE, "built without Embree")
+    def test_lose_no_light_between_folds(self):
+        for shape in ("cloth", "knot"):
+            with self.subTest(shape):
+                picture = self.traced("lambert_sphere_halfspace", "--white", "--shape", shape, "--light", "none",
+                                      "--depth", "50", "--size", "24", "--samples", "8", "--model",
+                                      "lambert,albedo=1")
+                for name in picture:
+                    # Light that enters triangles beside their interpolated normals is trapped.
+                    self.assertAlmostEqual(picture[name]["mean_luminance"] + picture[name]["cut"], 1,
+                                           delta=4.5 * picture[name]["standard_error"] + 1e-3, msg=name)
+
+    def test_see_what_the_table_shows(self):
+        pictures = self.traced("lambert_sphere_halfspace", "--shape", "sphere", "--size", "24", "--samples", "64",
+                               "--table", "--model", "lambert_sphere_three_term")
+        truth = pictures["truth"]
+        for name in ("table", "lambert_sphere_three_term"):
+            noise = (truth["standard_error"] ** 2 + pictures[name]["standard_error"] ** 2) ** 0.5
+            # The three-term form is within 0.2 % of the truth, the interpolation within 1 %.
+            self.assertAlmostEqual(pictures[name]["mean_luminance"], truth["mean_luminance"],
+                                   delta=4.5 * noise + 0.01 * truth["mean_luminance"])
+            self.assertLess(pictures[name]["bias"], 1e-3 + 4.5 * pictures[name]["bias_error"])
+
+    def test_see_order_1_as_its_closed_form_from_both_sides(self):
+        self.write("up.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n")
+        self.write("down.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 4 3 2 1\n")
+        shapes = ["sphere"] + (["up.obj", "down.obj"] if WITH_EMBREE else [])
+        for stack in ("isotropic_slab", "spongecake_plant"):
+            for shape in shapes:
+                with self.subTest(stack=stack, shape=shape):
+                    pictures = self.traced(stack, "--max-order", "1", "--shape", shape, "--size", "16", "--samples", "128",
+                                           "--environment", "uniform", "--light", "none", "--depth", "16", "--model",
+                                           "single_scattering")
+                    truth, closed = pictures["truth"], pictures["single_scattering"]
+                    noise = (truth["standard_error"] ** 2 + closed["standard_error"] ** 2) ** 0.5
+                    self.assertLess(noise, 0.03 * truth["mean_luminance"])
+                    self.assertAlmostEqual(truth["mean_luminance"], closed["mean_luminance"], delta=4.5 * noise)
+
+    def test_give_equal_pictures_on_any_number_of_threads(self):
+        files = []
+        for threads in ("1", "3"):
+            self.traced("sggx_slab", "--shape", "sphere", "--size", "16", "--samples", "4", "--model", "lambert",
+                        "--environment", "clear_sky", "--threads", threads)
+            files.append((self.folder / "out/picture.exr").read_bytes())
+        self.assertEqual(files[0], files[1])
+
+    def test_agree_by_aiming_and_by_following_light(self):
+        # The lamp is found by aiming, the same light spread over the sky by following walks: a sky
+        # of twice the radiance is twice as bright, with the lamp or without.
+        sky = self.traced("sggx_slab", "--shape", "plane", "--size", "16", "--samples", "64", "--light", "none",
+                          "--model", "lambert")
+        (self.folder / "two.exr").write_bytes(exr_bytes(Part({"Y": [[2.0] * 8] * 4})))
+        two = self.traced("sggx_slab", "--shape", "plane", "--size", "16", "--samples", "64", "--light", "none",
+                          "--environment", "two.exr", "--model", "lambert", "--seed", "2")
+        for name in sky:
+            noise = (4 * sky[name]["standard_error"] ** 2 + two[name]["standard_error"] ** 2) ** 0.5
+            self.assertAlmostEqual(2 * sky[name]["mean_luminance"], two[name]["mean_luminance"], delta=4.5 * noise)
+
+    def test_take_maps(self):
+        (self.folder / "map.exr").write_bytes(exr_bytes(Part({"Y": [[0.2, 0.8]] * 2})))
+        self.write("a.toml", '[substrate]\nbsdf = "lambert"\nalbedo = { map = "map.exr", filter = "nearest" }\n')
+        pictures = self.traced("a.toml", "--shape", "sphere", "--size", "24", "--samples", "16", "--light", "none")
+        # Both halves of the sphere face the viewer in equal parts.
+        self.assertAlmostEqual(pictures["truth"]["mean_luminance"], 0.5, delta=0.02)
+        self.assertEqual(list(pictures), ["truth"])
+        self.assertIn("--model", self.lamella("preview", "a.toml", "--shape", "sphere", "--model", "lambert",
+                                              status=2).err)
+
+    def test_compare_speed_with_error(self):
+        pictures = self.traced("lambert_sphere_halfspace", "--shape", "sphere", "--size", "16", "--equal-time", "0.4",
+                               "--model", "lambert")
+        for picture in pictures.values():
+            self.assertGreater(len(picture["checkpoints"]), 1)
+        self.assertGreater(pictures["lambert"]["bias"], 4.5 * pictures["lambert"]["bias_error"])
+        if WITH_CAIRO:
+            self.assertTrue((self.folder / "out/error.png").read_bytes().startswith(b"\x89PNG"))
+
+    @unittest.skipUnless(WITH_EMBREE, "built without Embree")
+    def test_read_obj_files(self):
+        self.write("square.obj", "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                                 "f 1/1 2/2 3/3 4/4\n")
+        picture = self.traced("sggx_slab", "--white", "--shape", "square.obj", "--size", "16", "--samples", "16",
+                              "--light", "none", "--model", "lambert,albedo=1")["truth"]
+        self.assertAlmostEqual(picture["mean_luminance"] + picture["cut"], 1, delta=4.5 * picture["standard_error"])
+        for text, part in (("f 1 2 3\n", "square.obj:1: found the index"), ("v 1 x 2\n", "found \"x\""),
+                           ("v 1 2 3\nf 1 1\n", "2 vertices"), ("", "no faces")):
+            self.write("square.obj", text)
+            self.assertIn(part, self.lamella("preview", "sggx_slab", "--shape", "square.obj", status=2).err)
+
+    def test_are_refused_where_they_mean_nothing(self):
+        for arguments, part in ((["sggx_slab", "--time", "1"], "--shape"), (["sggx_slab", "--equal-time", "1"], "--shape"),
+                                (["sggx_slab", "--samples", "4"], "--shape"), (["sggx_slab", "--table"], "--shape"),
+                                (["sphere_bed_dense", "--shape", "sphere"], "explicit geometry"),
+                                (["sggx_slab", "--shape", "sphere", "--table"], "reflection alone"),
+                                (["sggx_slab", "--shape", "cube"], "--shape"),
+                                (["sggx_slab", "--shape", "sphere", "--environment", "none.exr"], "none.exr"),
+                                (["sggx_slab", "--shape", "sphere", "--light", "x"], "--light")):
+            with self.subTest(arguments):
+                error = self.lamella("preview", *arguments, status=2).err
+                self.assertIn(part, error)
+                self.assertEqual(error.count("\n"), 1, error)
+
+
+if __name__ == "__main__":
+    unittest.main()

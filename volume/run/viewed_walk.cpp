@@ -1,0 +1,125 @@
+#include "volume/run/viewed_walk.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "volume/interfaces/boundary_scorers.h"
+#include "volume/interfaces/boundary_walk.h"
+
+namespace lamella {
+namespace {
+
+// Walks whose ways out share no random numbers.
+constexpr std::uint64_t kWalkStride = kBatches * kWalksPerWay;
+
+// Keeps what leaves, beside what Base aims.
+template <class Base>
+class Departing : public Base {
+ public:
+  using Base::Base;
+
+  void leave(Direction, const std::array<double, 3>&, std::uint64_t, bool open) { aimed_ = !open; }
+  void departs(Direction wo, const std::array<double, 3>& weight, std::uint64_t order, bool) {
+    departure_ = {wo, {weight[0], weight[1], weight[2]}, true, order == 0};
+  }
+  [[nodiscard]] std::optional<ViewedLight::Departure> departure() const {
+    if (!departure_) return std::nullopt;
+    ViewedLight::Departure found = *departure_;
+    found.unaimed = !aimed_;
+    return found;
+  }
+
+ private:
+  std::optional<ViewedLight::Departure> departure_;
+  bool aimed_ = false;
+};
+
+// Aims nothing, but knows what could have been aimed.
+struct Unaimed : UnaimedAtBoundaries<NullScorer> {
+  template <std::size_t C>
+  [[nodiscard]] bool interface(int, const Dielectric&, Direction, const std::array<double, C>&,
+                               std::uint64_t, RandomStream&) {
+    return true;
+  }
+};
+
+Plan viewed_plan(const Stack& stack, const WalkLimits& limits) {
+  const auto refuse = [&](const char* what) {
+    throw std::invalid_argument(fmt::format(
+        "{}: found {}; allowed: reciprocal stacks of homogeneous layers and interfaces, with air "
+        "on every open side",
+        stack.name, what));
+  };
+  if (stack.grains()) refuse("explicit geometry");
+  if (stack.has_grid()) refuse("a density grid");
+  for (const Layer& layer : stack.layers)
+    if (const Direction n = traits(layer.medium).mean_normal.value; n.x != 0 || n.y != 0)
+      refuse("one-sided flakes with a tilted mean normal");
+  if (stack.is_open_below() && stack.index_of(stack.layers.size()) != 1)
+    refuse("an open side in a medium of another index");
+  Plan plan = make_plan(stack, limits);
+  plan.channels = 3;
+  plan.boundaries = true;
+  return plan;
+}
+
+}  // namespace
+
+struct ViewedStack::Content {
+  Content(const Stack& of, const WalkLimits& limits)
+      : stack(of),
+        plan(viewed_plan(stack, limits)),
+        walk(stack, plan),
+        gain(std::exp(stack.one_sidedness())),
+        passes(plan.transmits && !stack.has_boundaries()) {}
+
+  Stack stack;  // holds the media
+  Plan plan;
+  BoundaryStack walk;
+  double gain;  // transmission from below over that from above
+  bool passes;  // whether light passes without an event
+};
+
+ViewedStack::ViewedStack(const Stack& stack, const WalkLimits& limits)
+    : content_(std::make_unique<Content>(stack, limits)) {}
+ViewedStack::~ViewedStack() = default;
+ViewedStack::ViewedStack(ViewedStack&&) noexcept = default;
+
+bool ViewedStack::transmits() const { return content_->plan.transmits; }
+
+double ViewedStack::uncollided(Direction w) const {
+  return content_->passes ? content_->stack.uncollided(w) : 0;
+}
+
+ViewedLight ViewedStack::follow(Direction wo, const Direction* wi, std::uint64_t seed,
+                                std::uint64_t number) const {
+  BatchTally tally;
+  ViewedLight light;
+  const std::uint64_t index = number * kWalkStride;
+  const double through = wo.z > 0 ? content_->gain : 1 / content_->gain;
+  if (wi) {
+    const auto slots = static_cast<std::size_t>(content_->plan.order_slots());
+    tally.f.resize(3 * slots);
+    Departing<BoundaryNextEvent<3>> scorer(content_->walk, std::vector<Direction>{*wi}, tally);
+    scorer.begin_walk(seed, index);
+    walk_through_boundaries<3>(content_->walk, wo, seed, index, scorer, tally);
+    light.departure = scorer.departure();
+    for (std::size_t slot = 0; slot < slots; ++slot)
+      light.f += Rgb(tally.f[3 * slot], tally.f[3 * slot + 1], tally.f[3 * slot + 2]);
+    if (wi->z * wo.z < 0) light.f = through * light.f;
+  } else {
+    Departing<Unaimed> scorer;
+    walk_through_boundaries<3>(content_->walk, wo, seed, index, scorer, tally);
+    light.departure = scorer.departure();
+  }
+  if (light.departure) {
+    const bool passed = light.departure->wi.z * wo.z < 0;
+    if (passed) light.departure->weight = through * light.departure->weight;
+    light.departure->straight = light.departure->straight && passed && content_->passes;
+  }
+  return light;
+}
+
+}  // namespace lamella
