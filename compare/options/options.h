@@ -21,6 +21,7 @@ struct Options {
   std::optional<double> target_error{}, seconds{};
   std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
   std::optional<std::uint32_t> thin_from{};  ///< Thinning::first of walks; else as the plan chooses
+  std::string sampling = "rqmc";             ///< of walks on lanes, rqmc or random
   std::vector<WalkSetting> walk_settings{};  ///< which of the five above were given
   double tolerance = 1e-4;                   ///< of the deterministic solver
   std::string grid = "16x32";
@@ -29,7 +30,7 @@ struct Options {
   int threads = 0;  ///< 0: all
   std::string isa = "auto";
   bool quiet = false, strict = false, as_is = false, quick = false;
-  bool coats = false;  ///< of accuracy: the layerings of a coat alone
+  bool coats = false;       ///< of accuracy: the layerings of a coat alone
   bool spongecake = false;  ///< of accuracy: SpongeCake's further lobes alone
   std::string json{}, html{}, output{};
   std::vector<std::string> only{};         ///< parts of bench; empty: all
@@ -69,6 +70,8 @@ struct Options {
 [[nodiscard]] Stack stack_of(const Options& options);
 /// A set's name, or what `auto` stands for on this machine. Throws UsageError.
 [[nodiscard]] Isa parse_isa(const std::string& text);
+/// --sampling. Throws UsageError for any other word.
+[[nodiscard]] Sampling parse_sampling(const std::string& text);
 /// --isa.
 [[nodiscard]] Isa isa_of(const Options& options);
 /// The truth of a stack, as it was asked for. Throws UsageError where an option does not suit it.

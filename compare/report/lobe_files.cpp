@@ -96,6 +96,7 @@ std::map<std::string, std::string> file_attributes(const TruthRequest& request,
        "relative to w_i from 0; y: mu_o^2 in equal steps, normal incidence at the top; both "
        "directions point away from the stack; wiN: N-th incident direction (theta,phi in "
        "degrees); se: what lamella.se says"}};
+  if (!runs[0].is_bounded()) attributes["lamella.sampling"] = to_text(runs[0].sampling);
   add_error_attributes(attributes, runs, request.tolerance);
   return attributes;
 }
