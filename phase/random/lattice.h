@@ -26,7 +26,7 @@ namespace lamella {
 inline constexpr int kLatticeSteps = 8;
 /// After this many walks a batch begins anew with another shift: larger lattices were not looked
 /// at, and one that happens to be bad has more variance than random numbers.
-inline constexpr std::uint64_t kLatticePoints = 1 << 18;
+inline constexpr std::uint64_t kLatticePoints = 1 << 14;
 /// Words of a step: eight of its event, and two of the place that next-event estimation aims at.
 inline constexpr int kLatticeWords = 10, kLatticeTargetWord = 8;
 /// Words before the first step: flight, roulette, thinning.
