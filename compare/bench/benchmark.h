@@ -93,6 +93,10 @@ void measure_roulette(const BenchmarkEffort& effort, std::uint64_t seed, const R
 /// short and long: the ground for where the plan begins to, one thread.
 void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// What randomised quasi-Monte Carlo does to the variance of cells and energies, lobe by lobe, and
+/// to time x variance, with 1e4 walks and more; one thread.
+void measure_sampling(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// What weighing the analog and the next-event estimator against each other in every cell could
 /// save at best, one thread.
 void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,

@@ -45,6 +45,14 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("exponent"))
     note += fmt::format("{}exponent {:.2f}", note.empty() ? "" : ", ",
                         row.extra["exponent"].get<double>());
+  if (row.extra.contains("variance_ratios")) {
+    std::string ratios;
+    for (const auto& ratio : row.extra["variance_ratios"])
+      ratios += fmt::format(" {:.3g}", ratio.get<double>());
+    note +=
+        fmt::format("; variance ratios{}; slopes {:.2f}, {:.2f}", ratios,
+                    row.extra["slope"].get<double>(), row.extra["baseline_slope"].get<double>());
+  }
   if (row.extra.contains("longest_walk"))
     note += fmt::format("; longest walks {:.3g} events", row.extra["longest_walk"].get<double>());
   if (row.extra.contains("reached") && !row.extra["reached"].get<bool>()) note += ", not reached";
@@ -108,15 +116,22 @@ void measure_walks_and_coats(const BenchmarkEffort& effort, std::uint64_t seed,
   measure_coats(effort, seed, report);
 }
 const std::vector<BenchPart>& parts() {
-  static const std::vector<BenchPart> list{
-      {"walks", measure_walks_and_coats}, {"samples", measure_samples},
-      {"mixed", measure_mixed},           {"plan", measure_plan},
-      {"threads", measure_threads},       {"accuracy", measure_accuracy},
-      {"roulette", measure_roulette},     {"thinning", measure_thinning},
-      {"combined", measure_combination},  {"growth", measure_growth_of_walks},
-      {"solver", measure_deterministic},  {"grids", measure_grids},
-      {"models", measure_models},         {"tradeoff", measure_tradeoff},
-      {"grains", measure_grain_tracing}};
+  static const std::vector<BenchPart> list{{"walks", measure_walks_and_coats},
+                                           {"samples", measure_samples},
+                                           {"mixed", measure_mixed},
+                                           {"plan", measure_plan},
+                                           {"threads", measure_threads},
+                                           {"accuracy", measure_accuracy},
+                                           {"roulette", measure_roulette},
+                                           {"thinning", measure_thinning},
+                                           {"sampling", measure_sampling},
+                                           {"combined", measure_combination},
+                                           {"growth", measure_growth_of_walks},
+                                           {"solver", measure_deterministic},
+                                           {"grids", measure_grids},
+                                           {"models", measure_models},
+                                           {"tradeoff", measure_tradeoff},
+                                           {"grains", measure_grain_tracing}};
   return list;
 }
 

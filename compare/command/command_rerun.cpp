@@ -91,6 +91,10 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   request.limits.thinning = Thinning{image.attributes.contains("lamella.thin_from")
                                          ? static_cast<std::uint32_t>(whole("thin_from"))
                                          : 0};
+  // Before there was a choice all numbers were random.
+  request.limits.sampling = image.attributes.contains("lamella.sampling")
+                                ? parse_sampling(text("sampling"))
+                                : Sampling::random;
   request.isa = parse_isa(text("isa"));
   request.estimator = estimator("estimator_asked");
   const std::optional<Estimator> used = estimator("estimator");

@@ -82,6 +82,7 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
                 {"as_is", options.as_is}};
   settings["max_order"] = options.max_order ? Json(*options.max_order) : Json();
   settings["thin_from"] = options.thin_from ? Json(*options.thin_from) : Json();
+  settings["sampling"] = options.sampling;
   settings["target_error"] = options.target_error ? Json(*options.target_error) : Json();
   settings["time"] = options.seconds ? Json(*options.seconds) : Json();
   settings["max_error"] = options.max_error ? Json(*options.max_error) : Json();

@@ -182,7 +182,7 @@ void define_samples(CommandLine& line) {
       ->transform(one_of({"uniform", "cosine"}))
       ->type_name("uniform|cosine");
   add_walks(command, line, "Walks per incident direction");
-  add_walk_limits(command, line);
+  add_walk_limits(command, line, false);
   add_seed(command, line);
   add_threads(command, line);
   add_isa(command, line);

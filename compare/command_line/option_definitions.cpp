@@ -198,7 +198,7 @@ void add_walks(CLI::App& command, CommandLine& line, const std::string& doc,
       ->type_name("N");
 }
 
-void add_walk_limits(CLI::App& command, CommandLine& line) {
+void add_walk_limits(CLI::App& command, CommandLine& line, bool counted) {
   command
       .add_option("--max-order", line.options.max_order,
                   fmt::format("Walks beyond it are cut and reported as unresolved (default {}, or "
@@ -214,6 +214,13 @@ void add_walk_limits(CLI::App& command, CommandLine& line) {
           "that pays, see explain)")
       ->transform(power_of_two_or_none())
       ->type_name("K");
+  if (!counted) return;
+  command
+      .add_option("--sampling", line.options.sampling,
+                  "Numbers of a walk's first steps, on lanes: points of randomly shifted lattices, "
+                  "which lower the noise, or random (default rqmc)")
+      ->transform(one_of({"rqmc", "random"}))
+      ->type_name("rqmc|random");
 }
 
 void add_tolerance(CLI::App& command, CommandLine& line) {
@@ -363,7 +370,7 @@ void add_run_options(CLI::App& command, CommandLine& line, const std::string& ta
                   "Stop after S seconds per incident direction; the solver: in all")
       ->transform(positive_number())
       ->type_name("S");
-  add_walk_limits(command, line);
+  add_walk_limits(command, line, target.empty());  // fit has a --sampling of its own
   add_estimator(command, line);
   add_seed(command, line);
   add_threads(command, line);

@@ -30,7 +30,8 @@ void add_json(CLI::App& command, CommandLine& line);
 void add_html(CLI::App& command, CommandLine& line);
 void add_walks(CLI::App& command, CommandLine& line, const std::string& doc,
                std::uint64_t standard = 1000000);
-void add_walk_limits(CLI::App& command, CommandLine& line);
+/// --max-order, --thin-from and, where `counted`, --sampling.
+void add_walk_limits(CLI::App& command, CommandLine& line, bool counted = true);
 void add_tolerance(CLI::App& command, CommandLine& line);
 void add_estimator(CLI::App& command, CommandLine& line);
 void add_seed(CLI::App& command, CommandLine& line);

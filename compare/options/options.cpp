@@ -126,6 +126,11 @@ Isa parse_isa(const std::string& text) {
   }
 }
 
+Sampling parse_sampling(const std::string& text) {
+  if (const auto sampling = sampling_from(text)) return *sampling;
+  throw UsageError(fmt::format("--sampling: found \"{}\"; allowed: rqmc, random", text));
+}
+
 Isa isa_of(const Options& options) { return parse_isa(options.isa); }
 
 TruthRequest truth_request(const Options& options, const Stack& stack) {
@@ -136,6 +141,7 @@ TruthRequest truth_request(const Options& options, const Stack& stack) {
   request.effort = {options.walks, options.target_error, options.seconds};
   request.limits.max_order = options.max_order;
   if (options.thin_from) request.limits.thinning = Thinning{*options.thin_from};
+  request.limits.sampling = parse_sampling(options.sampling);
   request.given = options.walk_settings;
   request.tolerance = options.tolerance;
   request.seed = options.seed;

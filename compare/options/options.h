@@ -22,6 +22,7 @@ struct Options {
   std::optional<double> target_error{}, seconds{};
   std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
   std::optional<std::uint32_t> thin_from{};  ///< Thinning::first of walks; else as the plan chooses
+  std::string sampling = "rqmc";             ///< of walks on lanes, rqmc or random
   std::vector<WalkSetting> walk_settings{};  ///< which of the five above were given
   double tolerance = 1e-4;                   ///< of the deterministic solver
   std::string grid = "16x32";
@@ -85,6 +86,8 @@ struct StackOrMean {
 [[nodiscard]] StackOrMean stack_or_mean_of(const Options& options);
 /// A set's name, or what `auto` stands for on this machine. Throws UsageError.
 [[nodiscard]] Isa parse_isa(const std::string& text);
+/// --sampling. Throws UsageError for any other word.
+[[nodiscard]] Sampling parse_sampling(const std::string& text);
 /// --isa.
 [[nodiscard]] Isa isa_of(const Options& options);
 /// The truth of a stack, as it was asked for. Throws UsageError where an option does not suit it.

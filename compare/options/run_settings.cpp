@@ -26,6 +26,7 @@ void each_setting(Io& io, AnyOptions& o) {
   io("time", o.seconds);
   io("max_order", o.max_order);
   io("thin_from", o.thin_from);
+  io("sampling", o.sampling);
   io("walk_options", o.walk_settings);
   io("tolerance", o.tolerance);
   io("grid", o.grid);
@@ -158,6 +159,7 @@ Options options_from(const Json& settings, const std::string& where) {
   io.require(!options.thin_from || *options.thin_from == 0 ||
                  (*options.thin_from <= 1 << 20 && std::has_single_bit(*options.thin_from)),
              "thin_from");
+  io.require(sampling_from(options.sampling).has_value(), "sampling");
   io.require(positive(options.tolerance), "tolerance");
   io.require(positive(options.target_error), "target_error");
   io.require(positive(options.seconds), "time");

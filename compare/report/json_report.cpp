@@ -181,7 +181,10 @@ Json to_json(const RunResult& run) {
                        {"bytes", a->bytes}};
   if (run.accuracy && run.accuracy->harmonics)
     out["accuracy"]["harmonics"] = run.accuracy->harmonics;
-  if (!run.is_bounded()) out["max_order"] = run.max_order;
+  if (!run.is_bounded()) {
+    out["max_order"] = run.max_order;
+    out["sampling"] = to_text(run.sampling);
+  }
   if (run.thinning.is_on()) {
     out["thinned_from"] = run.thinning.first;
     out["thinned"] = values_of(run.thinned, run.channels);

@@ -98,6 +98,7 @@ std::map<std::string, std::string> file_attributes(const TruthRequest& request,
        "degrees); se: what lamella.se says"}};
   if (!request.texels.empty())
     attributes["lamella.texels"] = fmt::format("{}", request.texels.size());
+  if (!runs[0].is_bounded()) attributes["lamella.sampling"] = to_text(runs[0].sampling);
   add_error_attributes(attributes, runs, request.tolerance);
   return attributes;
 }

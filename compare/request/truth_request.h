@@ -36,7 +36,8 @@ struct TruthRequest {
   /// Walks per incident direction and what ends them earlier; `seconds` of the solver: in all.
   /// Where `given` names none of these settings the clock ends walks, too (first_look.h).
   StopRule effort{.walks = 1000000, .target_error = {}, .seconds = {}};
-  WalkLimits limits{};  ///< where walks are cut and thinned; empty: as the plan chooses
+  /// Where walks are cut and thinned, empty: as the plan chooses; and which numbers they take.
+  WalkLimits limits{.sampling = Sampling::rqmc};
   /// The settings above that were asked for by name; if the estimator is left open, each of them is
   /// a reason for walks.
   std::vector<WalkSetting> given{};

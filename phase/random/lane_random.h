@@ -6,6 +6,7 @@
 #include "phase/lanes/lane_math.h"
 #include "phase/lanes/lanes.h"
 #include "phase/random/block_random.h"
+#include "phase/random/lattice.h"
 
 namespace lamella::LAMELLA_ISA {
 
@@ -40,6 +41,21 @@ LAMELLA_INLINE WordBlock philox(Words c0, Words c1, Words c2, Words c3, std::uin
   const auto together = [&](Words a, Words b) -> Words { return hn::OddEven(odd(b).v, a.v); };
   return {{together(even.v0, uneven.v0), together(even.v1, uneven.v1), together(even.v2, uneven.v2),
            together(even.v3, uneven.v3)}};
+}
+
+/// table[step] per lane, of 16 words, the last eight of which repeat the first; of the step its
+/// last three bits count.
+LAMELLA_INLINE Words step_entry(const std::uint32_t* table, Words step) {
+  constexpr int n = Words::kCount;
+  if constexpr (n >= 8) {
+    return permute(Words::load(table), step & Words(n == 8 ? 7u : 15u));
+  } else {
+    alignas(16) std::uint32_t at[n];
+    alignas(16) std::uint32_t found[n];
+    (step & Words(7u)).store(at);
+    for (int k = 0; k < n; ++k) found[k] = table[at[k]];
+    return Words::load(found);
+  }
 }
 
 /// Uniform in (0, 1), an odd multiple of 2^-24, from the upper 23 bits of a word.

@@ -46,7 +46,7 @@ class Samples(ProgramTest):
                 run = ["--wi", "60", "--wi", "20,40", "--walks", "5e3", "--seed", "4"]
                 answer = self.json_of("samples", stack, *run, "-o", "walks.npz")
                 truth = self.json_of("simulate", stack, *run, "--estimator", "analog", "--grid",
-                                     "2x4")
+                                     "2x4", "--sampling", "random")
                 file = Npz(self.folder / "walks.npz")
                 self.assertEqual(file["walks"], 10000)
                 self.assertEqual(file["direction_walks"], (5000, 5000))

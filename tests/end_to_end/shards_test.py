@@ -189,6 +189,7 @@ class WhatDoesNotBelongTogetherIsRefused(Parts):
             return lambda h: h["settings"].update(values)
         for change in (settings(walks=-1), settings(walks="x"), settings(grid="9999x9999"), settings(incident=[7]),
                        settings(incident=["x"]), settings(isa="auto"), settings(thin_from=3), settings(tolerance=0),
+                       settings(sampling="sobol"),
                        settings(stack="x"), settings(words=3), settings(input="x"), settings(more=1),
                        settings(estimator="x"), settings(walk_options=["--x"]), settings(seed=1.5),
                        lambda h: h["settings"].pop("seed"), lambda h: h.pop("settings"), lambda h: h.pop("stack"),

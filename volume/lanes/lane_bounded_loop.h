@@ -75,7 +75,7 @@ LAMELLA_INLINE void collide(const LoopSetting<C, Set, Score>& s, BoundedWalks<C>
     step.flights[k].flies = without(walks.free, walks.free);
     step.count[k] = kLanes - walks.free_count;
     if (step.count[k] == 0) continue;
-    draw<C>(s.set, w, step.draws[k]);
+    draw<C>(s.task.walk, s.set, w, step.draws[k]);
     now[k] = scatter<C>(s.task.walk, s.set, w, step.draws[k], step.lanes[k], s.score);
     w.met = select(to_word_mask(now[k].events), Words(0u), w.met);
     step.flights[k] = s.set.begin_flight(w.wi, step.draws[k].remaining,
@@ -107,7 +107,7 @@ LAMELLA_INLINE void collide_in(const One& one, const LoopSetting<0, Set, Score>&
   const FloatMask every = first_lanes<float>(kLanes), none = first_lanes<float>(0);
   const FloatMask above = shape[0] > 0 ? every : none, below = shape[1] > 0 ? every : none;
 #pragma GCC unroll 4
-  for (int k = 0; k < kSets; ++k) draw<0>(one, all[k].state, draws[k]);
+  for (int k = 0; k < kSets; ++k) draw<0>(s.task.walk, one, all[k].state, draws[k]);
 #pragma GCC unroll 4
   for (int k = 0; k < kSets; ++k)
     now[k] = scatter<0>(s.task.walk, one, all[k].state, draws[k], !all[k].free, s.score);
@@ -189,7 +189,7 @@ template <int C, class Set, class Score>
       if (!any(lanes)) continue;
       const WalkNumbers<Words> before = w.numbers;
       LaneDraws<Floats> draws;
-      draw<C>(set, w, draws);
+      draw<C>(t.walk, set, w, draws);
       if (any(without(active, lanes))) keep_others<C>(before, lanes, w);
       const LaneEnds<Floats> now = scatter<C>(t.walk, set, w, draws, lanes, score);
       w.met = select(to_word_mask(lanes), Words(0u), w.met);

@@ -105,7 +105,7 @@ struct CoatedWalks {
       LaneDraws<Floats> draws[kSets];
       FloatMask lives[kSets];
 #pragma GCC unroll 4
-      for (int k = 0; k < kSets; ++k) draw<0>(substrate, all[k].state, draws[k]);
+      for (int k = 0; k < kSets; ++k) draw<0>(t.walk, substrate, all[k].state, draws[k]);
 #pragma GCC unroll 4
       for (int k = 0; k < kSets; ++k) {
         const FloatMask lanes = !all[k].free;

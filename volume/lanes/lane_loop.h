@@ -49,6 +49,9 @@ template <int C, class State>
   move([](State & w) -> auto& { return w.death; });
   for (int k = 0; k < 4; ++k) move([k](State & w) -> auto& { return w.numbers.s[k]; });
   for (int c = 0; c < C; ++c) move([c](State & w) -> auto& { return w.weight[c]; });
+  move([](State & w) -> auto& { return w.point; });
+  move([](State & w) -> auto& { return w.shift; });
+  move([](State & w) -> auto& { return w.step; });
   if constexpr (requires(State w) { w.met; }) move([](State & w) -> auto& { return w.met; });
   for (int k = 1; k < kSets; ++k) {
     all[k].free = first_lanes<float>(kLanes);
@@ -94,7 +97,7 @@ LAMELLA_INLINE void empty(LaneWalks<C, State>& walks, Vec3<Floats> incident) {
   LaneState<Floats, C>& w = walks.state;
   w.wi = incident;
   w.y = Floats(0);
-  w.layer = w.order = w.index = Words(0u);
+  w.layer = w.order = w.index = w.point = w.shift = w.step = Words(0u);
   w.numbers.s[0] = w.numbers.s[1] = Words(0u);
   w.numbers.s[2] = w.numbers.s[3] = Words(0u);
   w.death = Words(1u);
@@ -117,6 +120,11 @@ LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Fl
   if constexpr (Pool::kLayer) w.layer = word(pool.layer, w.layer);
   w.y = select(take, permute(Floats::load(pool.y + pool.from), rank), w.y);
   w.order = select(words, Words(0u), w.order);
+  if (pool.lattice) {
+    w.point = word(pool.point, w.point);
+    w.shift = word(pool.shift, w.shift);
+    w.step = select(words, Words(0u), w.step);
+  }
   if constexpr (C > 0)
     for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
   Vec3<Floats> light = incident;
@@ -216,7 +224,7 @@ LAMELLA_INLINE void lockstep(const LoopSetting<C, Set, Score>& s,
     LaneEnds<Floats> now[kSets];
     const FloatMask every = first_lanes<float>(kLanes);
 #pragma GCC unroll 4
-    for (int k = 0; k < kSets; ++k) draw(s.set, all[k].state, draws[k]);
+    for (int k = 0; k < kSets; ++k) draw(t.walk, s.set, all[k].state, draws[k]);
 #pragma GCC unroll 4
     for (int k = 0; k < kSets; ++k)
       now[k] = scatter<C, true>(t.walk, s.set, all[k].state, draws[k], every, s.score);
@@ -278,7 +286,7 @@ LAMELLA_INLINE void by_turns(const LoopSetting<C, Set, Score>& s, LaneWalks<C> (
     if (all[k].free_count == kLanes) continue;
     LaneState<Floats, C>& w = all[k].state;
     LaneDraws<Floats> draws;
-    draw(s.set, w, draws);
+    draw(s.task.walk, s.set, w, draws);
     now[k] = scatter(s.task.walk, s.set, w, draws, active, s.score);
     flights[k] = s.set.begin_flight(w.wi, draws.remaining, active & now[k].lives, w.layer, w.y);
   }

@@ -242,7 +242,15 @@ struct NextEventOnLanes {
     for (int c = 0; c < t.channels; ++c) share(medium, w, c).store(shares[c]);
     const bool cells = t.estimate == LaneEstimate::cells_next_event;
     if (cells) {
-      const WordBlock block = LaneNumbers(t)(w.order, kLaneTargetStream, w.index);
+      WordBlock block = LaneNumbers(t)(w.order, kLaneTargetStream, w.index);
+      if (t.walk.lattice != nullptr) {
+        const Words step = steps_taken < !All::value || M::kNull > (w);
+        const WordMask early = is_below(step, Words(kLatticeSteps));
+        for (int k = 0; k < 2; ++k)
+          block.w[k] = select(
+              early, lattice_word(*t.walk.lattice, kLatticeTargetWord + k, step, w.point, w.shift),
+              block.w[k]);
+      }
       multiply_add(to_floats(shift_right<16>(block.w[0])), Floats(0x1p-16f), Floats(0x1p-17f))
           .store(places);
       const auto [sine, cosine] =
@@ -347,13 +355,14 @@ struct NextEventOnLanes {
   /// Where the numbers of an event's directions stand in the scratch.
   struct Scratch {
     int padded_rows, columns;
-    float *mus, *inverses, *sines, *attenuations, *cosines, *phi_sines;
+    float *mus, *inverses, *densities, *sines, *attenuations, *cosines, *phi_sines;
     LAMELLA_INLINE explicit Scratch(const LaneCells& cells)
         : padded_rows((cells.rows + 15) / 16 * 16),
           columns(cells.padded_columns),
           mus(cells.scratch),
           inverses(mus + padded_rows),
-          sines(inverses + padded_rows),
+          densities(inverses + padded_rows),
+          sines(densities + padded_rows),
           attenuations(sines + padded_rows),  // two of them
           cosines(attenuations + 2 * padded_rows),
           phi_sines(cosines + columns) {}
@@ -366,16 +375,26 @@ struct NextEventOnLanes {
     const Floats rows(cells.rows), inverse_rows(1.0f / cells.rows);
     for (int r = 0; r < cells.rows; r += kLanes) {
       const Floats row = to_floats(Words::iota() + Words(r));
-      const Floats mu2 = max((rows - row - Floats(u_mu)) * inverse_rows, Floats(1e-9f));
-      const Floats inverse = reciprocal_sqrt(mu2), mu = mu2 * inverse;
+      Floats mu2 = max((rows - row - Floats(u_mu)) * inverse_rows, Floats(1e-9f));
+      Floats inverse = reciprocal_sqrt(mu2), mu = mu2 * inverse, per_density = inverse;
+      if (t.walk.lattice != nullptr) {
+        // At grazing uniform in mu, by the weight 2 mu / mu(edge): nothing grows like 1 / mu.
+        const FloatMask grazing = row > rows - Floats(1.5f);
+        const Floats share = max(Floats(1.0f - u_mu), Floats(1e-6f)), edge = sqrt(inverse_rows);
+        mu = select(grazing, share * edge, mu);
+        mu2 = select(grazing, mu * mu, mu2);
+        inverse = select(grazing, reciprocal(mu), inverse);
+        per_density = select(grazing, Floats(2) * reciprocal(edge), inverse);
+      }
       const Floats sine = sqrt(nonnegative(Floats(1) - mu2));
       mu.store(to.mus + r);
       inverse.store(to.inverses + r);
+      per_density.store(to.densities + r);
       sine.store(to.sines + r);
       for (int side = 0; cells.symmetric && side < sides; ++side) {
         const Vec3<Floats> wo{sine, Floats(0), side ? -mu : mu};
         const Floats tau = depth_to_exit(layer, y, side == 0, wo) * inverse;
-        (exp(-tau) * inverse).store(to.attenuations + side * to.padded_rows + r);
+        (exp(-tau) * per_density).store(to.attenuations + side * to.padded_rows + r);
       }
     }
     for (int j = 0; j < to.columns; j += kLanes) {
@@ -395,14 +414,14 @@ struct NextEventOnLanes {
     for (int side = 0; side < sides; ++side)
       for (int r = 0; r < cells.rows; ++r, at += columns) {
         const Floats sine(from.sines[r]), z(side ? -from.mus[r] : from.mus[r]);
-        const Floats inverse(from.inverses[r]);
+        const Floats inverse(from.inverses[r]), per_density(from.densities[r]);
         const Floats attenuation(from.attenuations[side * from.padded_rows + r]);
         for (int j = 0; j < columns; j += kLanes) {
           const Vec3<Floats> wo{sine * Floats::load(from.cosines + j),
                                 sine * Floats::load(from.phi_sines + j), z};
           Floats a = attenuation;
           if (!cells.symmetric)
-            a = exp(-(depth_to_exit(sender.layer, y, side == 0, wo) * inverse)) * inverse;
+            a = exp(-(depth_to_exit(sender.layer, y, side == 0, wo) * inverse)) * per_density;
           sender.send(wo, a, at + j, places);
         }
       }

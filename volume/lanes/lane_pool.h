@@ -39,6 +39,9 @@ struct LanePool {
   alignas(64) std::uint32_t index[kRoom];
   alignas(64) std::uint32_t death[kRoom];
   alignas(64) std::uint32_t layer[kRoom];
+  bool lattice = false;
+  alignas(64) std::uint32_t point[kRoom];
+  alignas(64) std::uint32_t shift[kRoom];
   alignas(64) float y[kRoom];
   bool directed = false;  // wi is kept whatever the law of the light
   bool draws = false;     // every walk its w_i
@@ -49,12 +52,17 @@ struct LanePool {
     const int left = to - from;
     const bool drawn = t.incident_law != IncidentLaw::fixed;
     draws = drawn || directed;
+    lattice = t.walk.lattice != nullptr;
     for (int k = 0; k < left; k += kLanes) {
       for (auto& word : numbers) Words::load(word + from + k).store(word + k);
       if constexpr (kIndex) Words::load(index + from + k).store(index + k);
       Words::load(death + from + k).store(death + k);
       if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
       Floats::load(y + from + k).store(y + k);
+      if (lattice) {
+        Words::load(point + from + k).store(point + k);
+        Words::load(shift + from + k).store(shift + k);
+      }
       for (int axis = 0; draws && axis < 3; ++axis)
         Floats::load(wi[axis] + from + k).store(wi[axis] + k);
     }
@@ -73,6 +81,10 @@ struct LanePool {
       LaneState<Floats, C> w;
       w.index = Words(here.index_low + made * t.index_stride) + ramp;
       w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
+      if (lattice) {
+        w.point = reversed_bits(Words(here.point + made) + Words::iota());
+        w.shift = Words(here.shift);
+      }
       Vec3<Floats> light{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
       if (drawn) light = drawn_light(t, w.numbers);
       const FloatMask hits = begin_from<C>(light, t.walk, set, w, first_lanes<float>(n));
@@ -100,6 +112,10 @@ struct LanePool {
     store(w.death, death + to);
     if constexpr (kLayer) store(w.layer, layer + to);
     store(w.y, y + to);
+    if (lattice) {
+      store(w.point, point + to);
+      store(w.shift, shift + to);
+    }
     if (!draws) return;
     store(w.wi.x, wi[0] + to);
     store(w.wi.y, wi[1] + to);

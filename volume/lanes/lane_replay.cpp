@@ -38,7 +38,7 @@ int replay_bounded(const LaneSetting<double>& setting, BoundedState<double, C>& 
       remaining = exponential_of(words[0]);
     } else {
       LaneDraws<double> draws;
-      draw<C>(set, w, draws);
+      draw<C>(setting.walk, set, w, draws);
       now = scatter<C>(setting.walk, set, w, draws, true, NoScore{});
       if (now.events) w.met = 0;
       tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
@@ -52,11 +52,16 @@ int replay_bounded(const LaneSetting<double>& setting, BoundedState<double, C>& 
   return static_cast<int>(of.end) + (deltas ? kDeltaRow : 0);
 }
 
+// `point`: r(j) of the walk, where there is a lattice.
 template <int C>
-void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uint64_t index,
-                 int channels, const CellTargets& cells, BatchTally& tally) {
+void replay_walk(const LaneSetting<double>& setting, const LatticeNumbers* lattice,
+                 Thinning thinning, std::uint64_t index, std::uint32_t point, int channels,
+                 const CellTargets& cells, BatchTally& tally) {
   BoundedState<double, C> w{};
   w.numbers = numbers_of(setting.walk.seed, index);
+  w.point = point;
+  WalkSetting<double> walk = setting.walk;
+  walk.lattice = lattice;
   LaneEnds<double> now{};
   EnergySums& energy = tally.energy;
   const bool bounded = setting.walk.boundaries != nullptr;
@@ -64,11 +69,11 @@ void replay_walk(const LaneSetting<double>& setting, Thinning thinning, std::uin
   if (bounded) {
     row = replay_bounded<C>(setting, w, now, tally);
   } else {
-    const AnyMedia<double> set(setting.walk);
+    const AnyMedia<double> set(walk);
     LaneState<double, C>& state = w;
-    const bool collides = begin<C>(setting.walk, set, state, true);
+    const bool collides = begin<C>(walk, set, state, true);
     while (collides && !now.ends) {
-      now = step(setting.walk, set, state, true, NoScore{});
+      now = step(walk, set, state, true, NoScore{});
       tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
     }
   }
@@ -125,9 +130,17 @@ std::vector<BatchTally> replay_in_double(const Stack& stack, const Plan& plan, D
   tbb::parallel_for(0, batches, [&](int batch) {
     BatchTally& tally = tallies[batch];
     tally.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels * cells.count());
-    for (std::uint64_t i = batch; i < walks; i += batches)
-      (setting.common_albedo ? replay_walk<0> : replay_walk<3>)(setting, plan.thinning, i,
-                                                                plan.channels, cells, tally);
+    LatticeNumbers lattice{};
+    const bool has_lattice = plan.sampling == Sampling::rqmc && !plan.boundaries;
+    for (std::uint64_t j = 0; batch + j * batches < walks; ++j) {
+      const std::uint32_t number = lattice_point(j);
+      if (has_lattice && number == 0)
+        lattice = lattice_of_batch(lattice_shift(seed, static_cast<std::uint32_t>(batch), j));
+      (setting.common_albedo ? replay_walk<0>
+                             : replay_walk<3>)(setting, has_lattice ? &lattice : nullptr,
+                                               plan.thinning, batch + j * batches,
+                                               reversed_bits(number), plan.channels, cells, tally);
+    }
   });
   return tallies;
 }

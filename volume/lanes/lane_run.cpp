@@ -37,6 +37,7 @@ struct ZeroTerm {
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches)
     : setting_(stack, plan, incident, seed),
+      sampling_(plan.boundaries ? Sampling::random : plan.sampling),
       bounded_(plan.boundaries),
       thinning_(plan.thinning),
       incident_(incident),
@@ -243,6 +244,7 @@ std::optional<std::uint64_t> LaneRun::first_not_finite(LaneWalkTask task, LaneBa
     half.walks = batch.walks / 2;
     if (is_finite(half)) {
       batch.index_low += half.walks * task.index_stride;
+      batch.point += half.walks;
       batch.walks_before += half.walks;
       half.walks = batch.walks - half.walks;
     }
@@ -251,9 +253,15 @@ std::optional<std::uint64_t> LaneRun::first_not_finite(LaneWalkTask task, LaneBa
   return (std::uint64_t{task.index_high} << 32) + batch.index_low;
 }
 
+std::uint32_t LaneRun::lattice_shift_of(int batch, std::uint64_t walk) const {
+  if (sampling_ == Sampling::random) return 0;
+  return lattice_shift(setting_.walk.seed, static_cast<std::uint32_t>(batch), walk);
+}
+
 void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> tallies) {
   LaneWalkTask task = task_;
   task.cells.scratch = counts_[first].scratch.data();
+  LatticeNumbers lattice;
   const std::uint64_t stride = counts_.size();
   std::vector<Part> left(parts.begin(), parts.end());
   std::vector<LaneSums> sums;
@@ -264,6 +272,7 @@ void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> 
   for (;;) {
     // As far as the upper half of the index stays.
     std::vector<LaneBatch> batches;
+    batches.reserve(left.size());
     std::vector<Ways> ways(left.size());
     for (std::size_t k = 0; k < left.size(); ++k) {
       const std::uint64_t index = left[k].from * stride + static_cast<std::uint64_t>(first) + k;
@@ -275,9 +284,13 @@ void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> 
         here = std::min(here, most * WayTables::kWalksPerSet - before);
         ways[k] = ways_of(first + static_cast<int>(k), left[k].from, here);
       }
+      if (sampling_ == Sampling::rqmc)
+        here = std::min(here, kLatticePoints - lattice_point(left[k].from));
       task.index_high = static_cast<std::uint32_t>(index >> 32);
       batches.push_back({static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(here),
-                         &sums[k], common_ways_ ? &common_ways_->ways : ways[k].tables.data(),
+                         &sums[k], lattice_point(left[k].from),
+                         lattice_shift_of(first + static_cast<int>(k), left[k].from),
+                         common_ways_ ? &common_ways_->ways : ways[k].tables.data(),
                          static_cast<std::uint32_t>(before)});
       left[k].from += here;
     }
@@ -286,6 +299,10 @@ void LaneRun::run(int first, std::span<const Part> parts, std::span<BatchTally> 
       break;
     task.batches = batches.data();
     task.batch_count = static_cast<std::uint32_t>(batches.size());
+    if (sampling_ == Sampling::rqmc) {
+      lattice = batches.size() == 1 ? lattice_of_batch(batches[0].shift) : lattice_of_batches();
+      task.walk.lattice = &lattice;
+    }
     walk_(task);
     if (!sums.front().finite)
       for (const LaneBatch& batch : batches)

@@ -97,6 +97,8 @@ class LaneRun {
   /// The ways that walks of a batch take; counts what order 0 sends to points. None where all walks
   /// take the same.
   Ways ways_of(int batch, std::uint64_t from, std::uint64_t walks);
+  /// The shift of a batch's lattice from a walk of the batch on.
+  [[nodiscard]] std::uint32_t lattice_shift_of(int batch, std::uint64_t walk) const;
   /// Walks by end and order, those that cells count among them.
   [[nodiscard]] std::vector<std::uint64_t> all_ends(const Counts& counts) const;
   void to_tally(const Counts& counts, BatchTally& tally) const;
@@ -110,6 +112,7 @@ class LaneRun {
   [[nodiscard]] int slots() const { return bounded_ ? kZeroSlot + 1 : kTallyOrders; }
 
   LaneSetting<float> setting_;
+  Sampling sampling_;
   bool bounded_;  ///< there are interfaces
   Thinning thinning_;
   void (*walk_)(const LaneWalkTask&);

@@ -5,6 +5,7 @@
 // the same walk with the same random numbers.
 
 #include "phase/math/color.h"
+#include "phase/random/lattice.h"
 #include "volume/lanes/lane_media.h"
 #include "volume/result/thinning.h"
 
@@ -62,6 +63,7 @@ struct WalkSetting {
   std::uint32_t thinned_from = 0;  ///< Thinning::first
   int words = 1;  ///< random words that an event takes: the most that any of the media needs
   std::uint64_t seed = 0;
+  const LatticeNumbers* lattice = nullptr;  ///< of the first steps; none: all words are random
   const BoundaryNumbers<Scalar>* boundaries = nullptr;  ///< of stacks with interfaces
 };
 
@@ -75,6 +77,9 @@ struct LaneState {
   /// too.
   WordsOf<Real> death;
   WalkNumbers<WordsOf<Real>> numbers;
+  /// With a lattice: the walk's point, its batch's shift where walks of several batches share the
+  /// lanes, and the steps that it has taken, where they are not its order.
+  WordsOf<Real> point, shift, step;
   Real weight[C > 0 ? C : 1];
 };
 
@@ -276,6 +281,16 @@ template <class Real>
   return gone;
 }
 
+/// Steps that walks have taken before this one. kNull: some of their collisions may be null, and
+/// they count them.
+template <bool kNull, int C, class Real>
+[[nodiscard]] LAMELLA_INLINE WordsOf<Real> steps_taken(const LaneState<Real, C>& w) {
+  if constexpr (kNull)
+    return w.step;
+  else
+    return w.order;
+}
+
 /// What a step draws before anything happens.
 template <class Real>
 struct LaneDraws {
@@ -283,9 +298,21 @@ struct LaneDraws {
   Real remaining;  ///< mean free paths to the next collision
 };
 template <int C, class Set, class Real>
-LAMELLA_INLINE void draw(const Set& set, LaneState<Real, C>& w, LaneDraws<Real>& draws) {
+LAMELLA_INLINE void draw(const WalkSetting<typename NumberTraits<Real>::Scalar>& t, const Set& set,
+                         LaneState<Real, C>& w, LaneDraws<Real>& draws) {
+  using Words = WordsOf<Real>;
   for (int k = 0; k < set.words(); ++k) draws.words[k] = w.numbers.next();
   if constexpr (C > 0) draws.words[kRouletteWord] = w.numbers.next();
+  if (t.lattice != nullptr) {
+    const Words step = steps_taken<Set::kNull>(w);
+    const auto early = is_below(step, Words(kLatticeSteps));
+    const auto replace = [&](int k) LAMELLA_INLINE_LAMBDA {
+      draws.words[k] =
+          select(early, lattice_word(*t.lattice, k, step, w.point, w.shift), draws.words[k]);
+    };
+    for (int k = 0; k < set.words(); ++k) replace(k);
+    if constexpr (C > 0) replace(kRouletteWord);
+  }
   draws.remaining = exponential_of(draws.words[0]);
 }
 
@@ -337,6 +364,7 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
       }
     }
   });
+  if constexpr (Set::kNull) w.step = w.step + Words(1u);
   w.order = w.order + (kEvery ? Words(1u) : select(to_word_mask(events), Words(1u), Words(0u)));
   w.wi = wi;
   Mask lives;
@@ -366,20 +394,27 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
                                    const Set& set, LaneState<Real, C>& w, MaskOf<Real> active,
                                    const Score& score) {
   LaneDraws<Real> draws;
-  draw(set, w, draws);
+  draw(t, set, w, draws);
   LaneEnds<Real> now = scatter(t, set, w, draws, active, score);
   fly(set, w, draws, active, now);
   return now;
 }
 
-/// Begins walks of light from w_i by the numbers w.numbers: their first flight. Which of them
+/// Begins walks of light from w_i by the numbers w.numbers and the point w.point: their first
+/// flight. Which of them
 /// collide; the others leave the stack as they came.
 template <int C, class Set, class Real>
 LAMELLA_INLINE MaskOf<Real> begin_from(Vec3<Real> wi,
                                        const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
                                        const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist) {
   using Words = WordsOf<Real>;
-  const Words flight = w.numbers.next();
+  const auto drawn = [&](int word) LAMELLA_INLINE_LAMBDA {
+    const Words random = w.numbers.next();
+    if (t.lattice == nullptr) return random;
+    return lattice_beginning(*t.lattice, word, w.point, w.shift);
+  };
+  const Words flight = drawn(0);
+  w.step = Words(0u);
   w.wi = wi;
   const int start = t.from_above ? 0 : t.layer_count - 1;
   w.layer = Words(static_cast<std::uint32_t>(start));
@@ -390,11 +425,10 @@ LAMELLA_INLINE MaskOf<Real> begin_from(Vec3<Real> wi,
   w.death = Words(t.max_order + 1);
   if constexpr (C == 0) {
     // The event at which the roulette of the fourth and later ones ends the walk.
-    const Real survived =
-        min(exponential_of(w.numbers.next()) * Real(t.orders_per_absorption), Real(1e9));
+    const Real survived = min(exponential_of(drawn(1)) * Real(t.orders_per_absorption), Real(1e9));
     w.death = min(w.death, t.black ? Words(1u) : word_of(survived) + Words(kRouletteOrder));
   }
-  if (t.thinned_from > 0) w.death = min(w.death, thinned_at(t.thinned_from, w.numbers.next()));
+  if (t.thinned_from > 0) w.death = min(w.death, thinned_at(t.thinned_from, drawn(2)));
   if constexpr (Set::kBounded) {
     Words entry;
     if (set.enters_at_boundary(entry)) {

@@ -29,8 +29,9 @@ struct LaneCells {
   const float *column_cos = nullptr, *column_sin = nullptr;  ///< of the columns' first edges
   float* scratch = nullptr;  ///< kLaneScratchRows rows + 2 padded_columns numbers
 };
-/// mu, its inverse, its sine, and the attenuation upwards and downwards; rows padded to 16.
-inline constexpr int kLaneScratchRows = 5;
+/// mu, its inverse, what terms have in its place, its sine, and the attenuation upwards and
+/// downwards; rows padded to 16.
+inline constexpr int kLaneScratchRows = 6;
 
 /// Fixed point makes sums independent of their order: terms are rounded to 2^-32.
 inline constexpr double kPointUnits = 0x1p32;
@@ -84,6 +85,8 @@ struct LaneRecords {
 struct LaneBatch {
   std::uint32_t index_low = 0, walks = 0;
   LaneSums* sums = nullptr;
+  /// With a lattice: the point of the first walk, and the shift of the batch's lattice.
+  std::uint32_t point = 0, shift = 0;
   /// Next event through interfaces: the ways that the first walk takes, and behind them those of
   /// later ones; how many walks lie before the first that share its ways.
   const LaneWays* ways = nullptr;

@@ -9,6 +9,7 @@
 #include "phase/stack/stack.h"
 #include "volume/result/tally.h"
 #include "volume/result/thinning.h"
+#include "volume/result/walk_sampling.h"
 
 namespace lamella {
 
@@ -32,6 +33,7 @@ struct Plan {
   bool transmits = true;                ///< light can leave below: tallies for that side
   std::uint64_t max_order = kMaxOrder;  ///< walks are cut after this many events, as unresolved
   Thinning thinning{};                  ///< of long walks, where it pays
+  Sampling sampling = Sampling::random;
   Isa isa = Isa::scalar;  ///< lanes where a kernel exists, see volume/lanes/lane_run.h
 
   /// Which layers of the stack have any depth; the others are left out. With a grid somewhere: any
@@ -51,6 +53,7 @@ struct Plan {
 struct WalkLimits {
   std::optional<std::uint64_t> max_order{};
   std::optional<Thinning> thinning{};
+  Sampling sampling = Sampling::random;
 };
 
 /// The narrowest plan that models the stack. Reads its grids; throws std::invalid_argument.

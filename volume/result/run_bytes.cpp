@@ -65,6 +65,7 @@ struct Members {
     each(run.channels);
     for (std::uint64_t* n : {&run.walks, &run.collisions, &run.max_order, &run.holes}) each(*n);
     each(run.thinning.first);
+    each(run.sampling);
     of(run.reflected);
     of(run.transmitted);
     for (auto* e : {&run.uncollided, &run.absorbed, &run.unresolved, &run.lost, &run.thinned})

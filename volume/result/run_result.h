@@ -10,6 +10,7 @@
 #include "volume/result/estimator.h"
 #include "volume/result/tally.h"
 #include "volume/result/thinning.h"
+#include "volume/result/walk_sampling.h"
 
 namespace lamella {
 
@@ -43,6 +44,7 @@ struct RunResult {
   std::uint64_t walks = 0, collisions = 0;
   std::uint64_t max_order = 0;  ///< of walks; 0 from the solver
   Thinning thinning;
+  Sampling sampling = Sampling::random;
   std::uint64_t holes = 0;  ///< rays that began inside of explicit grains: a defect
   double seconds = 0;
   SideResult reflected, transmitted;

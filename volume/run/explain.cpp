@@ -240,6 +240,10 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                          ? fmt::format("about {:.2g}", longest_walk(stack, plan.layers))
                          : "any number of")});
   explain_lanes(stack, plan, notes);
+  if (plan.sampling == Sampling::rqmc)
+    notes.push_back({"sampling",
+                     "randomised quasi-Monte Carlo for the first steps of walks on lanes",
+                     "a batch's walks fill the space of their numbers evenly (--sampling random)"});
   return notes;
 }
 

@@ -280,6 +280,7 @@ RunResult reduce(const Simulation& simulation) {
   run.collisions = simulation.collisions();
   run.max_order = simulation.plan().max_order;
   run.thinning = simulation.plan().thinning;
+  run.sampling = simulation.sampling();
   run.holes = simulation.holes();
   const bool up = run.incident.z > 0;
   run.reflected = reduce_side(simulation, up);

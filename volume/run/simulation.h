@@ -65,6 +65,8 @@ class Simulation {
   [[nodiscard]] Estimator estimator() const { return estimator_; }
   /// The instruction set of the walks: the plan's, or scalar where that set has no kernel for them.
   [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
+  /// Where the numbers of the walks' first steps come from.
+  [[nodiscard]] Sampling sampling() const { return lanes_ ? plan_.sampling : Sampling::random; }
   /// Nothing for scalar walks.
   [[nodiscard]] std::optional<LaneUse> lane_use() const;
 

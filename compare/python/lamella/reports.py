@@ -80,7 +80,8 @@ def compare(stack: Union[Stack, Model, str], models: Union[ModelLike, Iterable[M
             estimator: Optional[str] = None, walks: Optional[float] = None,
             tolerance: Optional[float] = None, target_error: Optional[float] = None,
             time: Optional[float] = None, max_order: Optional[int] = None,
-            thin_from: Optional[int] = None, seed: Optional[int] = None,
+            thin_from: Optional[int] = None, sampling: Optional[str] = None,
+            seed: Optional[int] = None,
             threads: Optional[int] = None, isa: Optional[str] = None,
             progress: Optional[bool] = None) -> Report:
     """Judges models by the truth of a stack, as `lamella compare` does.
@@ -101,7 +102,8 @@ def compare(stack: Union[Stack, Model, str], models: Union[ModelLike, Iterable[M
         listed = list(models)
     given = keywords(wi=incident(wi), grid=grid, estimator=estimator, walks=walks,
                      tolerance=tolerance, target_error=target_error, time=time,
-                     max_order=max_order, thin_from=thin_from, seed=seed, threads=threads, isa=isa)
+                     max_order=max_order, thin_from=thin_from, sampling=sampling,
+                     seed=seed, threads=threads, isa=isa)
     judged = [as_model(m) for m in listed]
     if isinstance(stack, Model) or is_measured(stack):
         if not judged:

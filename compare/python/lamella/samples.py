@@ -114,8 +114,8 @@ def samples(stack: Union[Stack, str], wi: Any = None, *, distribution: Optional[
     wi: incident directions, each THETA or (THETA, PHI) in degrees. Default: 0, 30, 60, 80.
     distribution: instead of wi: every walk draws its own over the upper hemisphere, "uniform" per
         solid angle or by the "cosine".
-    walks: per direction (drawn: in all), default 1e6. The walks are those that simulate() counts
-        with the same seed.
+    walks: per direction (drawn: in all), default 1e6. The walks are those that simulate()
+        counts with the same seed and sampling="random".
 
     All rows are in memory: about 33 bytes each where grey, 41 in colour. `lamella samples` writes
     files of any size.

@@ -23,6 +23,7 @@ TEST(Options, BecomeATypedRequest) {
   options.seconds = 2;
   options.max_order = 9;
   options.thin_from = 16;
+  options.sampling = "random";
   options.walk_settings = {WalkSetting::walks, WalkSetting::max_order};
   options.tolerance = 1e-3;
   options.grid = "8x16";
@@ -41,6 +42,7 @@ TEST(Options, BecomeATypedRequest) {
   EXPECT_EQ(request.limits.max_order, 9U);
   ASSERT_TRUE(request.limits.thinning);
   EXPECT_EQ(request.limits.thinning->first, 16U);
+  EXPECT_EQ(request.limits.sampling, Sampling::random);
   EXPECT_THAT(request.given, testing::ElementsAre(WalkSetting::walks, WalkSetting::max_order));
   EXPECT_EQ(request.tolerance, 1e-3);
   EXPECT_EQ(request.cells, (CellGrid{8, 16, false}));
@@ -56,6 +58,7 @@ TEST(Options, AreThoseOfARequestWhereNothingIsTyped) {
   EXPECT_EQ(typed.effort.walks, plain.effort.walks);
   EXPECT_FALSE(typed.effort.target_error || typed.effort.seconds || typed.limits.max_order ||
                typed.limits.thinning);
+  EXPECT_EQ(typed.limits.sampling, plain.limits.sampling);
   EXPECT_TRUE(typed.given.empty());
   EXPECT_EQ(typed.tolerance, plain.tolerance);
   EXPECT_EQ(typed.cells, plain.cells);

@@ -17,6 +17,7 @@ Options odd_options() {
   options.target_error = 0.1;
   options.max_order = std::uint64_t{1} << 60;
   options.thin_from = 64;
+  options.sampling = "random";
   options.walk_settings = {WalkSetting::walks, WalkSetting::thin_from};
   options.tolerance = 1.0 / 3e5;
   options.grid = "3x4";
@@ -36,6 +37,7 @@ TEST(RunSettings, ComeBackFromTheirText) {
   const Options back = options_from(Json::parse(settings.dump()), "a.part");
   EXPECT_EQ(settings_json(back), settings);
   EXPECT_EQ(back.seed, 18446744073709551615u);
+  EXPECT_EQ(back.sampling, "random");
   EXPECT_EQ(back.tolerance, 1.0 / 3e5);
   EXPECT_FALSE(back.seconds);
   EXPECT_THAT(back.walk_settings, testing::ElementsAre(WalkSetting::walks, WalkSetting::thin_from));
@@ -70,6 +72,7 @@ TEST(RunSettings, ValuesAreHeldAgainstTheRangesOfTheCommandLine) {
                                                  {"walks", 1000000000000001},
                                                  {"max_order", 0},
                                                  {"thin_from", 3},
+                                                 {"sampling", "sobol"},
                                                  {"thin_from", 1 << 21},
                                                  {"thin_from", 1ull << 40},
                                                  {"tolerance", 0},
