@@ -36,6 +36,15 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// Whether light may cross a rough interface, be mirrored, and cross it or another one: both narrow
+// lobes in turn peak about the normal, next to where the light came from.
+bool crosses_facets_twice(const Stack& stack) {
+  const auto interfaces = std::count_if(stack.layers.begin(), stack.layers.end(),
+                                        [](const Layer& l) { return l.interface.has_value(); });
+  const bool metal = stack.substrate && stack.substrate->model == "conductor";
+  return stack.has_rough_interfaces() && (interfaces > 1 || metal);
+}
+
 // The probes above the stack, and below it where they are other directions there.
 std::vector<AskedCosine> probes(const std::vector<double>& cosines, const OuterIndices& outer,
                                 bool below) {
@@ -253,11 +262,11 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                                 [](const Layer& l) { return !l.interface && is_steep(l.medium); });
   const OuterIndices outer(stack);
   const int parts = stack.is_open_below() ? 4 : 1;
-  // Narrow lobes of rough interfaces are missed by the nodes about the normal first: there, and
-  // where light comes back through one facet's neighbours, close to where it came from.
+  // Narrow lobes of rough interfaces are missed by the nodes about the normal first.
   std::vector<double> cosines_in = kProbesIn, cosines_out = kProbesOut;
-  if (stack.has_rough_interfaces()) {
-    cosines_in.insert(cosines_in.end(), {0.97, 1});
+  if (stack.has_rough_interfaces()) cosines_in.push_back(1);
+  if (crosses_facets_twice(stack)) {
+    cosines_in.push_back(0.97);
     cosines_out.insert(cosines_out.end(), {0.97, 0.98});
   }
   const std::vector<AskedCosine> probes_in = probes(cosines_in, outer, parts > 1),
