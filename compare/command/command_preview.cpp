@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "compare/command/command.h"
+#include "compare/command/lamp_option.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
@@ -14,7 +15,6 @@
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
-#include "compare/request/numbers.h"
 #include "compare/request/truth_request.h"
 
 namespace lamella {
@@ -22,15 +22,8 @@ namespace {
 
 // --light and --environment.
 PreviewLighting lighting_of(const Options& options) {
-  const std::string& text = options.light;
-  const std::size_t comma = text.find(',');
-  const auto theta = parse_number(std::string_view(text).substr(0, comma));
-  const auto phi =
-      comma == std::string::npos ? std::optional(0.0) : parse_number(text.substr(comma + 1));
-  if (!theta || !phi || !(*theta >= 0 && *theta < 180) || !std::isfinite(*phi))
-    throw UsageError(fmt::format(
-        "--light: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180)", text));
-  return {*theta, *phi,
+  const auto [theta, phi] = lamp_angles(options.light);
+  return {theta, phi,
           options.environment == "uniform" ? Environment() : Environment(options.environment)};
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "compare/command/command.h"
+#include "compare/command/lamp_option.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
@@ -16,7 +17,6 @@
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
-#include "compare/request/numbers.h"
 #include "compare/request/substrate_model.h"
 #include "compare/truth/lobe_table.h"
 #include "phase/stack/builtin_stacks.h"
@@ -28,16 +28,8 @@ namespace {
 // --light: the lamp by its angles from the viewer, as in pictures without --shape; nothing: none.
 std::optional<Direction> lamp_of(const Options& options) {
   if (options.light == "none") return std::nullopt;
-  const std::string& text = options.light;
-  const std::size_t comma = text.find(',');
-  const auto theta = parse_number(std::string_view(text).substr(0, comma));
-  const auto phi =
-      comma == std::string::npos ? std::optional(0.0) : parse_number(text.substr(comma + 1));
-  if (!theta || !phi || !(*theta >= 0 && *theta < 180) || !std::isfinite(*phi))
-    throw UsageError(fmt::format(
-        "--light: found \"{}\"; allowed: THETA[,PHI] in degrees, THETA in [0, 180), or none",
-        text));
-  const double t = *theta * kPi / 180, p = *phi * kPi / 180;
+  const auto [theta, phi] = lamp_angles(options.light, ", or none");
+  const double t = theta * kPi / 180, p = phi * kPi / 180;
   return Direction{std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t)};
 }
 

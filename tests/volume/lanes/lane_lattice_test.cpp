@@ -8,6 +8,7 @@
 
 #include "phase/stack/builtin_stacks.h"
 #include "tests/volume/run/stacks.h"
+#include "tests/volume/run/tally_sums.h"
 #include "volume/lanes/lane_replay.h"
 
 namespace lamella {
@@ -38,16 +39,6 @@ std::unique_ptr<Simulation> simulation_of(const Stack& stack, const Plan& plan, 
       CellGrid{4, 8, false}, seed);
 }
 
-std::vector<double> sums_of_all(const Simulation& simulation) {
-  std::vector<double> sums;
-  for (const BatchTally& b : simulation.batches()) {
-    sums.insert(sums.end(), b.f.begin(), b.f.end());
-    for (const auto& order : b.energy.up) sums.insert(sums.end(), order.begin(), order.end());
-    sums.insert(sums.end(), b.energy.absorbed.begin(), b.energy.absorbed.end());
-  }
-  return sums;
-}
-
 // One medium without and with null collisions, weights, several layers; each also thinned.
 std::vector<std::string> lattice_stacks() {
   return {layer("medium = 'lambert_sphere'\nalbedo = 0.9\nthickness = inf"),
@@ -73,7 +64,7 @@ TEST_P(LaneLattice, IsBitIdenticalForAnyThreadsAndCheckpoints) {
                 stack, sampled_plan(stack, GetParam(), Sampling::rqmc, thinning), task, 7);
             EXPECT_EQ(simulation->sampling(), Sampling::rqmc);
             for (const std::uint64_t walks : checkpoints) simulation->advance(walks);
-            return sums_of_all(*simulation);
+            return testing::tally_sums(*simulation);
           });
         };
         const auto one = sums(1, {3000});

@@ -5,19 +5,10 @@
 #include <tbb/task_arena.h>
 
 #include "phase/stack/builtin_stacks.h"
+#include "tests/volume/run/tally_sums.h"
 
 namespace lamella {
 namespace {
-
-std::vector<double> scalar_sums(const Simulation& simulation) {
-  std::vector<double> sums;
-  for (const BatchTally& b : simulation.batches()) {
-    sums.insert(sums.end(), b.f.begin(), b.f.end());
-    for (const auto& order : b.energy.up) sums.insert(sums.end(), order.begin(), order.end());
-    sums.insert(sums.end(), b.energy.absorbed.begin(), b.energy.absorbed.end());
-  }
-  return sums;
-}
 
 std::vector<double> sums_with_threads(int threads, Estimator estimator,
                                       const std::vector<std::uint64_t>& checkpoints) {
@@ -28,7 +19,7 @@ std::vector<double> sums_with_threads(int threads, Estimator estimator,
     Simulation simulation(stack, make_plan(stack), direction_from_degrees(60, 30), estimator,
                           CellGrid{4, 8, false}, 7);
     for (const std::uint64_t walks : checkpoints) simulation.advance(walks);
-    return scalar_sums(simulation);
+    return testing::tally_sums(simulation);
   });
 }
 
