@@ -9,6 +9,9 @@
 #include "analytic/catalogue/model_plugin.h"
 #include "analytic/model/stochastic_model.h"
 #include "compare/command/command.h"
+#include "compare/exchange/exported.h"
+#include "compare/exchange/measured_comparison.h"
+#include "compare/exchange/tensor_container.h"
 #include "compare/fit/albedo_inversion.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -52,10 +55,12 @@ Lighting lighting_of(const Options& options, const ClosedFormOptions& closed, co
   return {{{incident_directions(options, stack ? *stack : Stack{}).front(), 1.0}}};
 }
 
-// The colour that is to be had, and the key that it was given by.
+// The colour that is to be had, and the key that it was given by: a value, or the file of a
+// measured material whose colour it is.
 struct Target {
   Rgb color;
   std::string key;
+  std::string file{};
 };
 
 // A directional albedo, as "albedo" or by its older name "color".
@@ -72,6 +77,11 @@ Target take_color(KeyValues& values, const std::string& what) {
       throw UsageError(fmt::format("{}: key \"{}\": found {} as a second colour; allowed: one",
                                    what, it->first, it->second));
     info.name = it->first;
+    if (is_measured_file(it->second)) {
+      target = {Rgb(), it->first, it->second};
+      it = values.erase(it);
+      continue;
+    }
     try {
       target = {std::get<Rgb>(parse_value(info, it->second)), it->first};
     } catch (const ParameterError& error) {
@@ -80,9 +90,19 @@ Target take_color(KeyValues& values, const std::string& what) {
     it = values.erase(it);
   }
   if (!target)
-    throw UsageError(
-        fmt::format("{}: key \"albedo\": found nothing; allowed: {}", what, allowed_values(info)));
+    throw UsageError(fmt::format(
+        "{}: key \"albedo\": found nothing; allowed: {}, or a measured material (.binary, .bsdf)",
+        what, allowed_values(info)));
   return *target;
+}
+
+// Of a measured material.
+Rgb color_of(const std::string& file, const Lighting& lighting) {
+  const std::unique_ptr<Model> material = read_brdf(read_format_file(file), file);
+  Rgb sum;
+  for (const auto& [wi, weight] : lighting.directions)
+    sum += weight * material->albedo_with_error(with_grazing_limit(wi)).value;
+  return sum;
 }
 
 std::string text_of(Rgb c) {
@@ -188,25 +208,29 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
                    const std::vector<std::string>& words) {
   const std::string& what = words[0];
   KeyValues values = parse_model_words(words).values;
-  const auto [target, color_key] = take_color(values, what);
+  Target target = take_color(values, what);
   const ModelInfo* info =
       what.ends_with(".so") || find_model(what) ? find_or_load_model(what) : nullptr;
-  InputFiles inputs(Stack{}, objects_among({{what, {}}}));
+  std::vector<std::filesystem::path> read = objects_among({{what, {}}});
+  if (!target.file.empty()) read.emplace_back(target.file);
+  InputFiles inputs(Stack{}, read);
+  if (!target.file.empty())
+    target.color = color_of(target.file, lighting_of(options, closed, nullptr));
   CsvAnswer answer;
   try {
     if (info) {
-      answer = invert_model(what, *info, values, target, options, closed);
+      answer = invert_model(what, *info, values, target.color, options, closed);
     } else {
       refuse_unknown_word(what);
       const Stack stack = with_surface_model(load_stack(what));
       if (!values.empty())
         throw UsageError(
             fmt::format("{}: key \"{}\": unknown; allowed: albedo", what, values[0].first));
-      inputs = InputFiles(stack);
-      answer = invert_stack(stack, target, options, closed);
+      inputs = InputFiles(stack, read);
+      answer = invert_stack(stack, target.color, options, closed);
     }
   } catch (const UnreachableColor& error) {
-    throw UsageError(fmt::format("{}: key \"{}\": {}", what, color_key, error.what()));
+    throw UsageError(fmt::format("{}: key \"{}\": {}", what, target.key, error.what()));
   }
   const AlbedoInversion& found = answer.inversion;
   if (!options.quiet) {
@@ -223,7 +247,7 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
   Json json = json_header("invert", options.seed, isa_of(options));
   add_files(json, inputs);
   json["what"] = what;
-  json["color"] = list(target);
+  json["color"] = list(target.color);
   json["albedo"] = list(found.albedo);
   json["reached"] = list(found.reached);
   json["albedo_standard_error"] = list(answer.standard_error);

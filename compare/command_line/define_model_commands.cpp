@@ -240,7 +240,8 @@ void define_invert(CommandLine& line) {
       .add_option(
           "WHAT", line.words,
           "Model, or stack (all its layers get the albedo), then albedo=R,G,B or one number, "
-          "the colour as eval MODEL.albedo gives it, and the model's key=value...")
+          "the colour as eval MODEL.albedo gives it, or albedo=FILE of a measured material "
+          "(.binary, .bsdf), and the model's key=value...")
       ->transform(named("a model or a stack, then key=value..."))
       ->required()
       ->expected(1, -1);

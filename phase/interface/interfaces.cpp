@@ -136,6 +136,9 @@ Conductor::Setting conductor_setting(const Parameters& p, double above) {
   if (shape == FacetShape::smooth && p.has("roughness"))
     throw ParameterError("roughness", to_text(p.at("roughness")),
                          "nothing beside distribution = \"smooth\"");
+  if (shape == FacetShape::smooth && p.choice("scattering") == "multiple")
+    throw ParameterError("scattering", "\"multiple\"",
+                         "single beside distribution = \"smooth\", which has no facets");
   refuse_masking_of_multiple(p);
   return {.facets = facets_of(p, shape),
           .masking = masking_from(p.choice("masking")),

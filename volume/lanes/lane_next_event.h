@@ -151,7 +151,7 @@ struct NextEventOnLanes {
   }
   /// How many walks each stands for, in terms' scale.
   LAMELLA_INLINE Floats walks(const LaneState<Floats, C>& w) const {
-    if (t.walk.thinned_from == 0) return Floats(1);
+    if (t.walk.thinned_from == 0) return Floats(t.term_scale);
     return power_of_two(spared_of(t.walk.thinned_from, w.order)) * Floats(t.term_scale);
   }
   template <class M>

@@ -178,7 +178,9 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                        ? "one: no layer is looked up"
                        : fmt::format("{}: free flight crosses {} exactly", plan.layers.size(),
                                      plan.has_grids() ? "homogeneous ones" : "them"),
-                   empty ? fmt::format("{} of depth 0 left out", empty) : "all have depth"});
+                   empty                 ? fmt::format("{} of depth 0 left out", empty)
+                   : plan.layers.empty() ? "no layer holds a medium"
+                                         : "all have depth"});
   for (std::size_t k = 0; k < plan.grids.size(); ++k)
     if (plan.grids[k]) explain_grid(stack.layers[k], *plan.grids[k], k, notes);
   if (plan.has_grids())
@@ -187,7 +189,7 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   if (plan.uniform_medium)
     notes.push_back({"medium", "kernel of " + stack.layers[plan.layers[0]].medium_name,
                      "all layers hold the same kind of medium"});
-  else
+  else if (!plan.layers.empty())
     notes.push_back({"medium", "medium looked up at every event", "layers hold different media"});
   if (stack.is_half_space())
     notes.push_back({"below", "no transmission tallies", "the last layer is infinite"});
@@ -209,9 +211,13 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   notes.push_back(fresnel ? PlanNote{"Fresnel", "Schlick's factor at each event", "an f0 below 1"}
                           : PlanNote{"Fresnel", "left out", "no f0 below 1"});
   const double one_sided = stack.one_sidedness();
-  const bool tilted = !stack.is_reciprocal();
+  const bool closed_form =
+      stack.substrate && !stack.substrate->model.empty() && stack.substrate->model != kConductor;
   notes.push_back(
-      tilted ? PlanNote{"reciprocity", "not claimed", "a one-sided layer's mean normal is tilted"}
+      !stack.is_reciprocal()
+          ? PlanNote{"reciprocity", "not claimed",
+                     closed_form ? "closed forms as substrates are not asked whether they are"
+                                 : "a one-sided layer's mean normal is tilted"}
       : one_sided != 0
           ? PlanNote{"reciprocity", "of reflection",
                      fmt::format("one-sided flakes: transmission from above is exp(-{:.6g}) times "

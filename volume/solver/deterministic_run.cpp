@@ -16,6 +16,10 @@
 namespace lamella {
 namespace {
 
+// Errors of the nodes above it, as a share of f, say that they know no digit.
+constexpr double kNoDigit = 0.1;
+constexpr double kRounding = 1e-11;
+
 // Mean over a column of cells of cos(m (pi - phi)), by column and mode.
 Eigen::MatrixXd column_cosines(const CellGrid& grid, int modes) {
   Eigen::MatrixXd cosines(grid.columns(), modes);
@@ -153,16 +157,49 @@ struct Assembly {
     return {on_nodes, off + error * std::abs(on_nodes)};
   }
 
+  // Cells that miss a lobe between their points have bounds that miss it too. Their sum is known
+  // from the nodes: what it lacks beyond the bounds of both may be in any one cell. Returns the
+  // share of the mean f that a bound is then.
+  double cover_shortfall(SideResult& side, double on_nodes, double beams, int lobe, int c) const {
+    LobeEstimate& cells_of = side.lobes[lobe];
+    if (cells_of.value.empty()) return 0;
+    const DeterministicAccuracy& accuracy = solution.accuracy();
+    const double error = accuracy.node_error + accuracy.second_error;
+    // Nodes of which no digit is known cover nothing.
+    const double covered = kRounding + (error < kNoDigit ? error * std::abs(on_nodes) : 0);
+    const std::size_t cells = grid.cells();
+    double sum = 0, bound = 0;
+    for (std::size_t k = c * cells; k < (c + 1) * cells; ++k) {
+      sum += cells_of.value[k];
+      bound += cells_of.standard_error[k];
+    }
+    const double one = grid.projected_solid_angle();
+    const double off = std::abs(one * sum + beams - on_nodes) - covered;
+    if (!(off > one * bound)) return 0;
+    for (std::size_t k = c * cells; k < (c + 1) * cells; ++k)
+      cells_of.standard_error[k] = std::max(cells_of.standard_error[k], off / one);
+    return off / one / std::max(std::abs(on_nodes - beams) / kPi, kRounding);
+  }
+
   struct SideEnergies {
     const OrderMap<Rgb>& orders;
     Rgb zero;
     const DeterministicEnergies* beams;  // of the side that has them
   };
-  void energies(SideResult& side, const SideEnergies& on_nodes) const {
+  // Returns the largest share of the mean f that bounds of cells are for the sake of an energy.
+  double energies(SideResult& side, const SideEnergies& on_nodes) const {
+    double worst = 0;
     for (int c = 0; c < channels; ++c) {
       const auto beam = [&](int series) {
         return on_nodes.beams ? on_nodes.beams->specular_of[series][c] : 0;
       };
+      const auto cover = [&](Order order, double energy, double beams) {
+        worst = larger_error(worst, cover_shortfall(side, energy, beams, place(order), c));
+      };
+      const double all = on_nodes.orders[kTallyOrders][c], zero = on_nodes.zero[c];
+      cover(Order::all, all, beam(kTallyOrders));
+      cover(Order::zero, zero, beam(kTallyOrders + 1));
+      cover(Order::scattered, all - zero, beam(kTallyOrders) - beam(kTallyOrders + 1));
       for (int o = 0; o < kTallyOrders; ++o)
         side.orders[o][c] = energy(on_nodes.orders[o][c], beam(o), side, o, c);
       side.multiple[c] = {};
@@ -175,6 +212,7 @@ struct Assembly {
       side.zero[c] = energy(on_nodes.zero[c], beam(kTallyOrders + 1), side, place(Order::zero), c);
       side.specular[c] = {beam(kTallyOrders), 0};
     }
+    return worst;
   }
 };
 
@@ -225,10 +263,11 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
         error = larger_error(error, assembly.lobes(side, i, run.incident, up));
       const DeterministicEnergies& e = energies[i];
       const bool half = solution.stack().is_half_space();
-      assembly.energies(
+      const double added = assembly.energies(
           side, reflected ? Assembly::SideEnergies{e.reflected, e.zero_reflected, &e}
                 : half    ? Assembly::SideEnergies{e.escaped, e.zero_escaped, nullptr}
                           : Assembly::SideEnergies{e.transmitted, e.zero_transmitted, nullptr});
+      error = larger_error(error, added);
     }
     for (int c = 0; c < plan.channels; ++c) {
       const double defect = std::abs(energies[i].sum()[c] - 1);

@@ -89,6 +89,17 @@ inline const std::vector<BoundaryCase>& boundary_cases() {
        interface("'ggx'\nior = 1.0001\nroughness = 1e-4") + layer(spheres + "1") +
            interface("'smooth'\nior = 1.3") + "[substrate]\nalbedo = 0.5\n",
        85, 0},
+      {"narrow flakes under a rough coat: terms of next-event estimation need more bits",
+       interface("'ggx'\nior = 1.5\nroughness = 0.4") +
+           layer("medium = 'sggx'\nroughness = 0.1\nalbedo = 0.9\nthickness = 1") +
+           "[substrate]\nalbedo = 0.5\n",
+       30, 0},
+      {"a forward peak under a smooth coat, in colour",
+       interface("'smooth'\nior = 1.5") +
+           layer("medium = 'henyey_greenstein'\ng = 0.9\nalbedo = [0.9, 0.6, 0.3]\n"
+                 "thickness = 2") +
+           layer("medium = 'rayleigh'\nalbedo = 0.8\nthickness = 1"),
+       60, 0},
   };
   return list;
 }

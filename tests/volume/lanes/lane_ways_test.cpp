@@ -95,7 +95,7 @@ TEST_P(LaneWays, PointsAgreeWithTheScalarWalk) {
 }
 
 TEST_P(LaneWays, ThinnedWalksHaveTheSameMeans) {
-  for (const std::size_t k : {0, 1, 8, 11}) {
+  for (const std::size_t k : {0, 1, 8, 11, 19}) {
     const BoundaryCase& c = boundary_cases()[k];
     const auto thinned = values_of(*aimed(c, GetParam(), false, kPointWalks, 5, Thinning{2}));
     const auto all = values_of(*aimed(c, GetParam(), false, kPointWalks, 6));
