@@ -11,7 +11,8 @@ namespace lamella {
 namespace {
 
 constexpr int kMaxParts = 4000;
-constexpr int kPeakHalvings = 7;
+constexpr int kPeakHalvings = 7, kMostHalvings = 48;
+constexpr double kEdge = 1e-12;
 // Strips towards mu = 0, where f may vary like 1 / (mu_i + mu) with a small mu_i.
 constexpr int kGrazingStrips = 4;
 
@@ -33,6 +34,14 @@ struct Elevation {
 struct AngleRange {
   double t0, t1, phi0, phi1;
   Elevation elevation = {};
+
+  // The lower one first.
+  [[nodiscard]] std::pair<double, double> elevations() const {
+    return std::minmax({elevation.at(t0), elevation.at(t1)});
+  }
+  [[nodiscard]] bool touches(double phi, double margin = kEdge) const {
+    return phi >= phi0 - margin && phi <= phi1 + margin;
+  }
 };
 
 Rgb absolute(Rgb x) { return {std::abs(x.r), std::abs(x.g), std::abs(x.b)}; }
@@ -69,17 +78,27 @@ std::array<AngleRange, 4> quarters(const AngleRange& r) {
 }
 
 bool holds(const AngleRange& r, std::pair<double, double> peak) {
-  constexpr double kEdge = 1e-12;
-  const auto [low, high] = std::minmax({r.elevation.at(r.t0), r.elevation.at(r.t1)});
-  return peak.first >= low - kEdge && peak.first <= high + kEdge && peak.second >= r.phi0 - kEdge &&
-         peak.second <= r.phi1 + kEdge;
+  const auto [low, high] = r.elevations();
+  return peak.first >= low - kEdge && peak.first <= high + kEdge && r.touches(peak.second);
+}
+
+// Within a few widths of a lobe that peaks there.
+bool is_near(const AngleRange& r, const Ridge& ridge,
+             const std::vector<std::pair<double, double>>& peaks) {
+  constexpr double kWidths = 4;
+  const auto [low, high] = r.elevations();
+  return std::any_of(peaks.begin(), peaks.end(), [&, low = low, high = high](const auto& peak) {
+    const double e = std::asin(peak.first);
+    return e >= low - kWidths * ridge.length && e <= high + kWidths * ridge.length &&
+           r.touches(peak.second, kWidths * ridge.width);
+  });
 }
 
 }  // namespace
 
 CellMean cell_mean(const Function& f, const MuPhiRange& range, Rgb tolerance,
                    const std::vector<std::pair<double, double>>& peaks,
-                   const std::vector<double>& kinks) {
+                   const std::vector<double>& kinks, const Ridge& ridge) {
   const double size =
       (range.mu1 - range.mu0) * (range.mu1 + range.mu0) / 2 * (range.phi1 - range.phi0);
   std::priority_queue<Part> parts;
@@ -103,14 +122,33 @@ CellMean cell_mean(const Function& f, const MuPhiRange& range, Rgb tolerance,
     if (!sharp || halvings == 0) return add(r);
     for (const AngleRange& quarter : quarters(r)) add_halved(quarter, halvings - 1);
   };
+  // Adds a range in parts that are as small as the lobe about its peak, and as narrow on the ridge.
+  const std::function<void(const AngleRange&, int)> add_ridged = [&](const AngleRange& r,
+                                                                     int halvings) {
+    const auto [low, high] = r.elevations();
+    const bool near = is_near(r, ridge, peaks);
+    const bool across = near && high - low > ridge.length;
+    const bool along = (near || r.touches(ridge.phi)) && r.phi1 - r.phi0 > ridge.width;
+    if (halvings == 0 || !(across || along)) return add(r);
+    AngleRange first = r, second = r;
+    if (across)
+      first.t1 = second.t0 = (r.t0 + r.t1) / 2;
+    else
+      first.phi1 = second.phi0 = (r.phi0 + r.phi1) / 2;
+    add_ridged(first, halvings - 1);
+    add_ridged(second, halvings - 1);
+  };
+  const auto add_sharp = [&](const AngleRange& r) {
+    ridge.width > 0 ? add_ridged(r, kMostHalvings) : add_halved(r, kPeakHalvings);
+  };
   // From one end to the other without a kink between; strips towards grazing.
   const auto add_smooth = [&](double e0, double e1) {
     for (int strip = 1; e0 == 0 && strip < kGrazingStrips; ++strip, e1 /= 2)
-      add_halved({e1 / 2, e1, range.phi0, range.phi1}, kPeakHalvings);
-    add_halved({e0, e1, range.phi0, range.phi1}, kPeakHalvings);
+      add_sharp({e1 / 2, e1, range.phi0, range.phi1});
+    add_sharp({e0, e1, range.phi0, range.phi1});
   };
   const auto add_beside = [&](double kink, double end) {
-    add_halved({0, 1, range.phi0, range.phi1, {kink, end - kink}}, kPeakHalvings);
+    add_sharp({0, 1, range.phi0, range.phi1, {kink, end - kink}});
   };
   constexpr double kSame = 1e-9;  // elevations
   const double low = std::asin(range.mu0), high = std::asin(range.mu1);

@@ -12,6 +12,13 @@ struct MuPhiRange {
   double mu0, mu1, phi0, phi1;
 };
 
+/// Where peaks are narrow, and drawn out along mu: parts that touch the azimuth `phi` are halved
+/// until they are no wider than `width`, and about a peak until they are no longer than `length`
+/// either (radians; width 0: there is no ridge).
+struct Ridge {
+  double phi = 0, width = 0, length = 0;
+};
+
 /// Cosine-weighted mean over a range of mu and phi.
 struct CellMean {
   Rgb value;
@@ -24,9 +31,10 @@ struct CellMean {
 /// differences sum to less than `tolerance` (absolute, per channel). `peak`: where f may be sharp,
 /// (mu, phi); parts that hold it, edges included, are halved towards it before any is judged.
 /// `kinks`: ascending cosines at which f behaves like the root of the distance; parts end there.
+/// `ridge`: an azimuth along which f may be narrow for many mu.
 [[nodiscard]] CellMean cell_mean(const std::function<Rgb(double mu, double phi)>& f,
                                  const MuPhiRange& range, Rgb tolerance,
                                  const std::vector<std::pair<double, double>>& peaks,
-                                 const std::vector<double>& kinks = {});
+                                 const std::vector<double>& kinks = {}, const Ridge& ridge = {});
 
 }  // namespace lamella

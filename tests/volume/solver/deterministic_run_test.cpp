@@ -2,14 +2,19 @@
 // against closed forms, and against themselves under refinement.
 #include "volume/solver/deterministic_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "phase/interface/dielectric.h"
 #include "phase/stack/single_scattering.h"
+#include "phase/stack/stack_file.h"
 #include "tests/volume/solver/deterministic_stacks.h"
 #include "volume/quadrature/cell_quadrature.h"
 #include "volume/quadrature/quadrature.h"
+#include "volume/solver/closed_cells.h"
+#include "volume/solver/closed_orders.h"
 
 namespace lamella {
 namespace {
@@ -73,6 +78,47 @@ TEST(CellQuadrature, SaysWhereItGaveUp) {
                 {0.5, 0.6, 0, 0.2}, Rgb(1e-12), {});
   EXPECT_TRUE(mean.exhausted);
   EXPECT_GT(mean.error.r, 1e-12);
+}
+
+// Narrow lobes of facets near grazing are ridges along the plane of incidence. In the slopes of
+// their facets they are Gaussian, and the rectangle rule is exact.
+TEST(ClosedCells, HoldTheWholeLobeOfNarrowFacets) {
+  for (const double alpha : {0.2, 0.05, 0.01, 1e-4})
+    for (const double theta : {0.0, 30.0, 80.0, 88.0}) {
+      const Stack stack =
+          parse_stack(fmt::format("[[layer]]\ninterface = 'beckmann'\nior = 1.5\nroughness = {}\n"
+                                  "[substrate]\nalbedo = 0.5\n",
+                                  alpha),
+                      "test", "test");
+      const Dielectric facets{.facets = {FacetShape::beckmann, alpha, alpha}, .below = 1.5};
+      const Direction wi = direction_from_degrees(theta, 20);
+      constexpr int kSteps = 700;
+      const double step = 2 * 7 * alpha / kSteps;
+      double energy = 0;
+      for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j) {
+          const double x = (i + 0.5) * step - 7 * alpha, y = (j + 0.5) * step - 7 * alpha;
+          const double z = 1 / std::sqrt(1 + x * x + y * y);
+          const Direction h{x * z, y * z, z};
+          const double c = dot(wi, h);
+          const Direction wo{2 * c * h.x - wi.x, 2 * c * h.y - wi.y, 2 * c * h.z - wi.z};
+          if (c <= 0 || wo.z <= 0) continue;
+          energy += facets.single(wi, wo) * wo.z * 4 * c * z * z * z * step * step;
+        }
+      for (const CellGrid grid : {CellGrid{1, 1, false}, CellGrid{3, 6, false}}) {
+        const std::vector<CellMean> cells =
+            closed_cells(stack, grid, wi, true, std::vector<Rgb>(grid.rows(), Rgb(1e-4)),
+                         [&](Direction wo) { return closed_orders(stack, wi, wo).zero; });
+        double sum = 0, error = 0;
+        for (const CellMean& cell : cells) {
+          sum += cell.value.r * grid.projected_solid_angle();
+          error += cell.error.r * grid.projected_solid_angle();
+        }
+        // The rectangles end where light no longer leaves: an edge of the integrand, at 80 and 88.
+        EXPECT_NEAR(sum, energy, error + 2e-4 * energy) << alpha << ' ' << theta;
+        EXPECT_LT(error, 1e-3);
+      }
+    }
 }
 
 // Every cell of every order against tensor quadrature of the solver's own values at points.
