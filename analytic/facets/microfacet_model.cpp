@@ -336,6 +336,23 @@ std::unique_ptr<Model> make(const Parameters& p) {
 
 }  // namespace
 
+namespace {
+
+// A height field of white mirrors; coloured ones have Schlick's factor, which this model has not.
+std::optional<Parameters> of_white_heights(const Stack& stack, const GrainGeometry& field) {
+  if (!field.is_height_field() || field.surface != GrainSurface::mirror ||
+      stack.layers[0].albedo != Rgb(1) || stack.layers[0].f0 != Rgb(1) ||
+      field.alpha < kLeastRoughness || field.alpha > 1)
+    return std::nullopt;
+  Parameters p;
+  p.set("material", std::string("white"));
+  p.set("distribution", std::string("beckmann"));
+  p.set("roughness", field.alpha);
+  return p;
+}
+
+}  // namespace
+
 ModelInfo microfacet_model() {
   return {
       .name = "microfacet",
@@ -364,6 +381,7 @@ ModelInfo microfacet_model() {
       .transmits = true,
       .make = [](const Parameters& p, const Stack*) { return make(p); },
       .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+        if (const GrainGeometry* field = stack.grains()) return of_white_heights(stack, *field);
         if (!stack.layers.empty() || !stack.substrate || stack.substrate->model != kConductor)
           return std::nullopt;
         const Parameters& given = stack.substrate->parameters;

@@ -419,7 +419,9 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
           },
       .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
         const GrainGeometry* g = stack.grains();
-        if (!g || g->is_bed() || g->surface == GrainSurface::dielectric) return std::nullopt;
+        if (!g || g->placement != GrainPlacement::micrograins ||
+            g->surface == GrainSurface::dielectric)
+          return std::nullopt;
         Parameters p;
         p.set("tau0", g->tau0);
         p.set("beta", g->beta);

@@ -282,7 +282,15 @@ ModelInfo beckmann_diffuse_model() {
                     p.color("albedo"), p.number("alpha"), static_cast<int>(p.number("walks")),
                     static_cast<std::uint64_t>(p.number("seed")));
               },
-          .applies_to = {}};
+          .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
+            const GrainGeometry* field = stack.grains();
+            if (!field || !field->is_height_field() || field->surface != GrainSurface::lambert)
+              return std::nullopt;
+            Parameters p;
+            p.set("albedo", stack.layers[0].albedo);
+            p.set("alpha", field->alpha);
+            return p;
+          }};
 }
 
 }  // namespace lamella

@@ -102,7 +102,7 @@ int explain_command(const Options& options) {
         {{"subject", note.subject}, {"decision", note.decision}, {"reason", note.reason}});
   };
   for (const PlanNote& note : explain(stack, plan)) add(note);
-  if (stack.grains() && !GrainScene::is_available())
+  if (stack.grains() && !stack.grains()->is_height_field() && !GrainScene::is_available())
     add({"Embree", "missing: simulate, compare and furnace refuse this stack",
          "built with -DLAMELLA_EMBREE=OFF"});
   const RunMonitor monitor = terminal_monitor(options);

@@ -123,6 +123,10 @@ int measure_command(const Options& options) {
         "measure: found the stack \"{}\" of media; allowed: explicit geometry (sphere_bed, "
         "packed_sphere_bed, micrograins), whose medium is to be found",
         stack.name));
+  if (stack.grains()->is_height_field())
+    throw UsageError(
+        "measure: found a height_field, a surface that no medium stands for; allowed: sphere_bed, "
+        "packed_sphere_bed, micrograins");
   if (!options.fit && (!options.incident.empty() || options.grid != Options{}.grid))
     throw UsageError("measure: found --wi or --grid without --fit; allowed: beside it");
   if (options.fit) require_least_squares();

@@ -38,7 +38,9 @@ StackComparison compare_stack(GroundTruth& truth, const std::vector<BoundModel>&
   StackComparison comparison = comparison_of(models);
   for (std::size_t k = 0; truth.goes_on(k); ++k) add_truth(comparison, truth.find(k), truth.plan());
   decide_all(comparison);
-  if (truth.request().stack.grains() && !truth.is_stopped())
+  // A surface is no bed: no medium stands for it.
+  const GrainGeometry* grains = truth.request().stack.grains();
+  if (grains && !grains->is_height_field() && !truth.is_stopped())
     comparison.beside = side_by_side(truth.request(), comparison.runs, truth.stop());
   comparison.choice = truth.choice();
   comparison.channels = truth.plan().channels;

@@ -99,7 +99,8 @@ LibraryBuildResult build_library(const LibraryBuild& build, const RunMonitor& mo
     }
     std::optional<LibraryEntry> entry;
     try {
-      if (of.stack.grains()) GrainScene::require_available();
+      if (of.stack.grains() && !of.stack.grains()->is_height_field())
+        GrainScene::require_available();
       entry = find_entry(of, stack, build, monitor);
     } catch (const GeometryError& error) {
       result.refused.push_back(fmt::format("{}: {}", of.name, error.what()));

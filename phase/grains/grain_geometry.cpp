@@ -167,6 +167,53 @@ std::vector<ParameterInfo> packed_parameters() {
   return list;
 }
 
+std::vector<ParameterInfo> height_field_parameters() {
+  return {{.name = "roughness",
+           .unit = "1",
+           .doc = "alpha of Beckmann's slopes: twice the standard deviation of the heights over "
+                  "the correlation length",
+           .min = 0.001,
+           .max = 4},
+          number("correlation", "mm", "length of the heights' autocorrelation", 0, kInfinity, "1"),
+          {.name = "resolution",
+           .unit = "1",
+           .doc = "nodes per correlation length; triangles lie between them",
+           .default_value = "8",
+           .min = 2,
+           .max = 64},
+          surface({"lambert", "mirror", "dielectric"}),
+          f0(),
+          number("ior", "1", "index of refraction of a dielectric (default 1.5)", 1, kInfinity),
+          number("tile", "mm", "lateral period (default: 32 correlation lengths)", 0, kInfinity)};
+}
+
+// Of the heights, in the shortest tile and by default in correlation lengths.
+constexpr double kShortestField = 8, kUsualField = 32;
+// Light comes from so many standard deviations above the mean: beyond all heights.
+constexpr double kHighest = 8;
+
+void make_height_field(GrainGeometry& g, const GeometryInfo& info, Parameters& p) {
+  if (!p.has("roughness"))
+    throw ParameterError("roughness", "nothing",
+                         allowed_values(*find(info.parameters, "roughness")));
+  g.alpha = p.number("roughness");
+  g.radius = p.number("correlation");
+  g.thickness = 2 * kHighest * g.alpha * g.radius / 2;
+  if (!p.has("tile")) p.set("tile", kUsualField * g.radius);
+  g.tile = p.number("tile");
+  const double per_length = p.number("resolution"), lengths = g.tile / g.radius;
+  const double triangles = 2 * (lengths * per_length) * (lengths * per_length);
+  if (!(lengths >= kShortestField) || !(triangles <= kMostGrains))
+    throw ParameterError(
+        "tile", to_text(g.tile),
+        fmt::format("a number in [{}, {}]: {:g} correlation lengths or more, and no more than {:g} "
+                    "triangles at this resolution",
+                    to_text(kShortestField * g.radius),
+                    to_text(std::sqrt(kMostGrains / 2) / per_length * g.radius), kShortestField,
+                    kMostGrains));
+  g.nodes = static_cast<int>(std::lround(lengths * per_length));
+}
+
 }  // namespace
 
 GrainSurface grain_surface_from(std::string_view name) {
@@ -177,6 +224,7 @@ GrainSurface grain_surface_from(std::string_view name) {
 }
 
 double GrainGeometry::number_density() const {
+  if (is_height_field()) return 2 * (nodes / tile) * (nodes / tile);
   return is_bed() ? packing / sphere_volume(radius) : -std::log1p(-tau0) / (kPi * radius * radius);
 }
 
@@ -250,7 +298,14 @@ const std::vector<GeometryInfo>& geometries() {
                       f0(),
                       number("ior", "1", "index of refraction of dielectric grains (default 1.5)",
                              1, kInfinity),
-                      tile()}}};
+                      tile()}},
+      {.name = "height_field",
+       .placement = GrainPlacement::height_field,
+       .doc = "opaque random surface, heights Gaussian with the autocorrelation exp(-r^2 / "
+              "correlation^2): Beckmann's slopes, and heights that neighbours share",
+       .source = "Beckmann and Spizzichino 1963; Heitz et al. 2016, of whose stochastic surface it "
+                 "is the real one",
+       .parameters = height_field_parameters()}};
   return list;
 }
 
@@ -269,12 +324,15 @@ GrainGeometry make_geometry(const GeometryInfo& info, Parameters& p) {
   };
   GrainGeometry g;
   g.placement = info.placement;
-  g.radius = needed("radius");
-  if (g.is_bed()) {
+  if (g.is_height_field()) {
+    make_height_field(g, info, p);
+  } else if (g.is_bed()) {
+    g.radius = needed("radius");
     g.packing = needed("packing");
     g.cut = p.has("cut") && p.choice("cut") == "true";
     g.thickness = needed("thickness");
   } else {
+    g.radius = needed("radius");
     g.tau0 = needed("tau0");
     g.beta = needed("beta");
     g.thickness = g.beta * g.radius;
@@ -289,8 +347,9 @@ GrainGeometry make_geometry(const GeometryInfo& info, Parameters& p) {
     if (!p.has("ior")) p.set("ior", 1.5);
     g.ior = p.number("ior");
   } else if (p.has("ior")) {
-    throw ParameterError("ior", to_text(p.at("ior")), "nothing: only dielectric grains have ior");
+    throw ParameterError("ior", to_text(p.at("ior")), "nothing: only dielectrics have ior");
   }
+  if (g.is_height_field()) return g;
   if (p.has("tile")) {
     g.tile = p.number("tile");
     if (g.tile < 4 * g.radius)

@@ -12,11 +12,12 @@
 
 namespace lamella {
 
-/// How grains are placed.
+/// How grains are placed, or what stands in their place.
 enum class GrainPlacement {
   sphere_bed,         ///< equal spheres, centres a Poisson process: they may overlap
   packed_sphere_bed,  ///< equal spheres by random sequential addition: none overlaps another
-  micrograins         ///< upper halves of ellipsoids on the plane z = 0, centres a Poisson process
+  micrograins,        ///< upper halves of ellipsoids on the plane z = 0, centres a Poisson process
+  height_field        ///< no grains: a Gaussian random surface about the plane z = 0
 };
 
 /// How a grain reflects.
@@ -34,37 +35,50 @@ enum class GrainSurface {
 /// repeats in x and y. Lengths in mm.
 ///
 /// Beds: centres in [-thickness, 0], so spheres stand out by a radius at both sides. Micrograins:
-/// half ellipsoids of horizontal radius `radius` and height beta * radius.
+/// half ellipsoids of horizontal radius `radius` and height beta * radius. Height fields: heights
+/// are Gaussian with the autocorrelation h^2 exp(-r^2 / radius^2), so that slopes are those of
+/// Beckmann's facets of roughness alpha = 2 h / radius; triangles between nodes on a square grid.
 struct GrainGeometry {
   GrainPlacement placement = GrainPlacement::sphere_bed;
   GrainSurface surface = GrainSurface::lambert;
-  double radius = 1;     ///< in (0, infinity)
-  double packing = 0;    ///< number density times the volume of a sphere; beds only
-  double thickness = 0;  ///< beds: range of the centres; micrograins: their height
-  double tau0 = 0;       ///< filling factor in [0, 1); micrograins only
-  double beta = 1;       ///< height over radius in (0, 1]; 1 for beds
-  double tile = 1;       ///< lateral period, at least 4 radii
-  double ior = 1.5;      ///< of a dielectric, above 1
+  double radius = 1;   ///< in (0, infinity); height fields: the correlation length
+  double packing = 0;  ///< number density times the volume of a sphere; beds only
+  /// Beds: range of the centres; micrograins: their height; height fields: 16 standard deviations.
+  double thickness = 0;
+  double tau0 = 0;   ///< filling factor in [0, 1); micrograins only
+  double beta = 1;   ///< height over radius in (0, 1]; 1 for beds
+  double tile = 1;   ///< lateral period, at least 4 radii
+  double ior = 1.5;  ///< of a dielectric, above 1
+  double alpha = 0;  ///< Beckmann's, of the slopes of the triangles; height fields only
+  int nodes = 0;     ///< along a side of the tile; height fields only
   /// Packed beds: cut from a packing without ends, so that the density is the same at every depth.
   /// Otherwise the centres fill [-thickness, 0] between walls, and crowd at them.
   bool cut = false;
 
-  [[nodiscard]] bool is_bed() const { return placement != GrainPlacement::micrograins; }
+  [[nodiscard]] bool is_bed() const {
+    return placement == GrainPlacement::sphere_bed ||
+           placement == GrainPlacement::packed_sphere_bed;
+  }
+  [[nodiscard]] bool is_height_field() const { return placement == GrainPlacement::height_field; }
   /// The power of two next below the radius [mm], and the same geometry with lengths in that unit:
   /// its radius lies in [1, 2), so that squares and cubes of lengths are finite and not 0 at any
   /// radius. Results in this unit are the same, bit by bit, at radii that differ by powers of two.
   [[nodiscard]] double length_unit() const;
   [[nodiscard]] GrainGeometry in_units() const;
-  /// Centres per volume [1/mm^3] of a bed, per area [1/mm^2] of micrograins.
+  /// Centres per volume [1/mm^3] of a bed, per area [1/mm^2] of micrograins; triangles per area.
   [[nodiscard]] double number_density() const;
-  /// Mean number of grains in a tile.
+  /// Mean number of grains in a tile; of triangles in a height field's.
   [[nodiscard]] double expected_count() const;
   /// Height of the box that a packed bed is packed in. The box of a cut bed is periodic and taller
   /// by eight radii, a distance at which centres are no longer correlated.
   [[nodiscard]] double packed_height() const { return cut ? thickness + 8 * radius : thickness; }
   /// Heights between which light meets grains: it enters at `top`.
-  [[nodiscard]] double top() const { return is_bed() ? radius : beta * radius; }
-  [[nodiscard]] double bottom() const { return is_bed() ? -thickness - radius : 0; }
+  [[nodiscard]] double top() const {
+    return is_bed() ? radius : is_height_field() ? thickness / 2 : beta * radius;
+  }
+  [[nodiscard]] double bottom() const {
+    return is_bed() ? -thickness - radius : is_height_field() ? -thickness / 2 : 0;
+  }
 };
 
 /// More grains than a tile may hold, by any placement.

@@ -87,8 +87,14 @@ class Reader : KeyReader {
              "key \"substrate\": found a substrate below an infinite layer; allowed: a substrate "
              "below layers of finite thickness, or none");
       stack.substrate = read_substrate(*table, stack);
+      const bool black = stack.substrate->model.empty() && stack.substrate->albedo.max() == 0;
+      if (stack.grains() && stack.grains()->is_height_field() && !black)
+        fail(substrate->source(),
+             "key \"substrate\": found a substrate below a height_field, which no light passes; "
+             "allowed: none");
     }
-    // Micrograins are halves: there is always a plane that they stand on.
+    // Micrograins are halves: there is always a plane that they stand on. Nothing passes a height
+    // field.
     if (stack.grains() && !stack.grains()->is_bed() && !stack.substrate)
       stack.substrate = Substrate{};
     return stack;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "phase/grains/grain_geometry.h"
+#include "volume/grains/ray_end.h"
 
 namespace lamella {
 
@@ -13,24 +14,6 @@ namespace lamella {
 struct GeometryError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-
-/// How a ray ends.
-enum class RayEnd {
-  grain,
-  up,    ///< leaves upwards: nothing is above
-  down,  ///< reaches the plane z = GrainGeometry::bottom()
-  lost   ///< crossed kMostTiles periods and met nothing
-};
-
-struct GrainHit {
-  RayEnd end = RayEnd::up;
-  Direction point{0, 0, 0};   ///< where, x and y in the tile; not set if `up` or `lost`
-  Direction normal{0, 0, 1};  ///< of the grain, outwards
-};
-
-/// Periods that a ray is followed through. A ray so near to the horizontal that it would cross more
-/// is counted as lost.
-inline constexpr int kMostTiles = 100000;
 
 /// One realisation of grains in its periodic tile, ready to be traced. The only user of Embree.
 ///

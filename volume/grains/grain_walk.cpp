@@ -7,6 +7,7 @@
 
 #include "phase/math/sampling.h"
 #include "phase/surface/fresnel.h"
+#include "volume/grains/traced_geometry.h"
 #include "volume/walk/departures.h"
 #include "volume/walk/path_weight.h"
 #include "volume/walk/walk.h"
@@ -60,8 +61,7 @@ class Walker {
     if (scene_ && number == realisation_) return;
     leave_realisation();
     realisation_ = number;
-    scene_ = std::make_unique<GrainScene>(setting_.geometry,
-                                          place_grains(setting_.geometry, setting_.seed, number));
+    scene_ = std::make_unique<TracedGeometry>(setting_.geometry, setting_.seed, number);
     RandomStream stream(setting_.seed, number, StreamPurpose::measure);
     const double angle = 2 * kPi * stream.uniform();
     cosine_ = std::cos(angle);
@@ -99,7 +99,7 @@ class Walker {
   BatchTally& tally_;
   std::vector<Direction> directions_;
   std::optional<DepartureScorer> kept_;
-  std::unique_ptr<GrainScene> scene_;
+  std::unique_ptr<TracedGeometry> scene_;
   std::uint64_t realisation_ = 0;
   double cosine_ = 1, sine_ = 0;
 

@@ -53,7 +53,26 @@ void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
                      "a medium per roughness is kept"});
 }
 
+void explain_height_field(const Stack& stack, const GrainGeometry& field,
+                          std::vector<PlanNote>& notes) {
+  notes.push_back({"geometry",
+                   fmt::format("rays are traced over {:g} triangles in a tile of {:.6g} mm that "
+                               "repeats in x and y",
+                               field.expected_count(), field.tile),
+                   "heights are Gaussian, and neighbours share them; Smith's surface (scattering = "
+                   "\"multiple\") has the same slopes at heights of their own"});
+  notes.push_back({"ensemble",
+                   fmt::format("a new realisation every {} walks of a batch, turned by a random "
+                               "angle",
+                               GrainSetting(stack, {0, 0, 1}, 1, 1).walks_per_realisation),
+                   "standard errors come from the scatter across realisations; light enters over "
+                   "the whole tile"});
+  notes.push_back({"below", "no transmission tallies", "nothing passes the surface"});
+  notes.push_back({"reciprocity", "of reflection", "of the mean over realisations"});
+}
+
 void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector<PlanNote>& notes) {
+  if (grains.is_height_field()) return explain_height_field(stack, grains, notes);
   notes.push_back(
       {"geometry",
        fmt::format("rays are traced among explicit grains: {} ({:.6g} in a tile of {:.6g} mm that "

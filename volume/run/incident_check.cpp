@@ -17,7 +17,7 @@ Direction checked_incident(const Stack& stack, Direction wi) {
                                     ? "light from below meets an opaque substrate"
                                     : "light from below cannot come through a half space");
   if (stack.grains()) {
-    GrainScene::require_available();
+    if (!stack.grains()->is_height_field()) GrainScene::require_available();
     if (std::abs(wi.z) < kGrainGrazingLimit)
       throw std::invalid_argument(fmt::format(
           "light at |mu| = {:.3g} on explicit geometry; allowed: |mu| of {} and above (theta up to "

@@ -134,9 +134,11 @@ class DeterministicSolution {
   /// distinct |mu|, those of mu_o counting most.
   /// second_integrated: where `multiple_refined` would integrate order 2 directly, its modes are
   /// integrated here (milliseconds per pair of cosines), for users of `mode` and `multiple`, who
-  /// else owe it the error of the nodes, DeterministicAccuracy::second_error.
+  /// else owe it the error of the nodes, DeterministicAccuracy::second_error. Where `stop` is set
+  /// before that is done, it is left out.
   [[nodiscard]] DeterministicField field(std::span<const double> mu_i, std::span<const double> mu_o,
-                                         bool second_integrated = false) const;
+                                         bool second_integrated = false,
+                                         const std::atomic<bool>* stop = nullptr) const;
   /// One entry per incoming cosine.
   [[nodiscard]] std::vector<DeterministicEnergies> energies(std::span<const double> mu_i) const;
 

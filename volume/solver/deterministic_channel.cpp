@@ -95,11 +95,12 @@ DeterministicField::Channel::Tails DeterministicField::Channel::tails(int part, 
   return {fit_mode_tail(seconds), fit_mode_tail(thirds), fit_mode_tail(others)};
 }
 
-void DeterministicField::Channel::integrate_second(double tolerance) {
+void DeterministicField::Channel::integrate_second(double tolerance,
+                                                   const std::atomic<bool>* stop) {
   const Index rows = static_cast<Index>(out.distinct.size()),
               columns = static_cast<Index>(in.distinct.size());
-  for (Parts* parts : {&second_count, &second_error, &second_left})
-    parts->fill(MatrixXd::Zero(rows, columns));
+  Parts counts, errors, left;
+  for (Parts* parts : {&counts, &errors, &left}) parts->fill(MatrixXd::Zero(rows, columns));
   struct CosinePair {
     Index row, column;
     double mu_i, mu_o;
@@ -115,6 +116,7 @@ void DeterministicField::Channel::integrate_second(double tolerance) {
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   std::vector<Eigen::ArrayXd> found(pairs.size());
   oneapi::tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
+    if (stop && *stop) return;
     const auto& [row, column, mu_i, mu_o] = pairs[k];
     const int part = part_of(mu_i, mu_o);
     const double allowed = tolerance * std::max(mean[part](row, column), faint[part]);
@@ -123,12 +125,17 @@ void DeterministicField::Channel::integrate_second(double tolerance) {
       const ModeTail tail = fit_mode_tail({integrated.f.data(), static_cast<std::size_t>(count)});
       const double left_out = tail.error + continue_modes(integrated.f, tail, allowed / 4);
       found[k] = std::move(integrated.f);
-      second_count[part](row, column) = count;
-      second_error[part](row, column) = integrated.error;
-      second_left[part](row, column) = left_out;
+      counts[part](row, column) = count;
+      errors[part](row, column) = integrated.error;
+      left[part](row, column) = left_out;
       if (left_out <= allowed || count >= kMostSecondModes) break;
     }
   });
+  // Some pairs without it have no modes to put in their place: all keep the solver's.
+  if (stop && *stop) return;
+  second_count = std::move(counts);
+  second_error = std::move(errors);
+  second_left = std::move(left);
   const std::size_t solved = modes.size();
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto& [row, column, mu_i, mu_o] = pairs[k];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -69,8 +70,8 @@ struct DeterministicField::Channel {
   [[nodiscard]] Tails tails(int part, Eigen::Index row, Eigen::Index column) const;
   [[nodiscard]] bool has_integrated_modes() const { return second_error[0].size() > 0; }
   /// Replaces the modes of order 2 that `second` counts, as many as it needs. tolerance: relative
-  /// to scale.
-  void integrate_second(double tolerance);
+  /// to scale. Where `stop` is set before all are there, all stay as they are.
+  void integrate_second(double tolerance, const std::atomic<bool>* stop);
 };
 
 /// Whether order 2 is integrated directly at every pair, given the error of its modes from the

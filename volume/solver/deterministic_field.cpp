@@ -201,7 +201,8 @@ bool DeterministicSolution::integrates_second() const {
 
 DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
                                                 std::span<const double> mu_o,
-                                                bool second_integrated) const {
+                                                bool second_integrated,
+                                                const std::atomic<bool>* stop) const {
   check_sides(stack_, mu_i);
   DeterministicField field;
   field.channel_of_ = channel_of_;
@@ -264,7 +265,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
             orders.second_rest[part] = orders.second[part] - (*counted)[part];
             orders.second[part] = std::move((*counted)[part]);
           }
-    if (second_integrated && integrates_second()) channel->integrate_second(tolerance_ / 5);
+    if (second_integrated && integrates_second()) channel->integrate_second(tolerance_ / 5, stop);
     field.channels_.push_back(std::move(channel));
   }
   return field;

@@ -203,7 +203,7 @@ std::vector<RowSampler::Panel> RowSampler::sample(const std::vector<Panel>& pane
   const std::size_t below = mu_o.size();
   if (sides_ == 2)
     for (std::size_t o = 0; o < below; ++o) mu_o.push_back(-mu_o[o]);
-  const DeterministicField field = solution_.field(mu_i_, mu_o, true);
+  const DeterministicField field = solution_.field(mu_i_, mu_o, true, stop_);
   std::vector<Panel> refined;
   std::size_t first = 0;
   for (const Panel& panel : panels) {
