@@ -189,7 +189,7 @@ std::vector<ParameterInfo> height_field_parameters() {
 
 // Of the heights, in the shortest tile and by default in correlation lengths.
 constexpr double kShortestField = 8, kUsualField = 32;
-// Light comes from so many standard deviations above the mean: beyond all heights.
+// Standard deviations above the mean where light comes from: beyond all heights.
 constexpr double kHighest = 8;
 
 void make_height_field(GrainGeometry& g, const GeometryInfo& info, Parameters& p) {
