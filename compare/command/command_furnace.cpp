@@ -205,6 +205,9 @@ CommandAnswer stack_furnace(const Options& options, TruthRequest request, const 
                    run.reflected.total[c].value, run.transmitted.total[c].value,
                    run.uncollided[c].value, run.absorbed[c].value, run.unresolved[c].value,
                    c == 0 ? told(verdict, entry["loss_or_gain"]) : "");
+    if (out && run.lost[0].value > 0)
+      fmt::print(out, "          facets lose {:.6f} of it (scattering = \"single\")\n",
+                 run.lost[0].value);
     // A one-sided slab has a second furnace: radiance under uniform light from both sides.
     const bool specular = std::any_of(stack.layers.begin(), stack.layers.end(),
                                       [](const Layer& l) { return is_delta(l.medium); });

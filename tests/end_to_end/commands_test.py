@@ -174,6 +174,10 @@ class Furnaces(ProgramTest):
     def test_absorption_fails_no_furnace_as_it_is(self):
         self.assertEqual(self.verdict("spongecake_sheen", "--walks", "1e6", "--wi", "30", "--as-is"), "pass")
 
+    def test_what_facets_lose_is_told(self):
+        out = self.lamella("furnace", "coated_lambert", *QUICK, "--estimator", "analog", status=1).out
+        self.assertIn("facets lose 0.0", out)
+
     def test_albedo_substrate_and_f0_are_whitened(self):
         for stack in ("spongecake_sheen", "spongecake_copper"):
             answer = self.json_of("furnace", stack, *QUICK, "--quiet")

@@ -170,3 +170,35 @@ class ExplicitGeometry(ProgramTest):
         self.assertIn("allowed: Lambertian grains",
                       self.lamella("eval", "truth", "stack=mirror.toml", "--pairs", "pairs.csv",
                                    status=2).err)
+
+
+class HeightField(ProgramTest):
+    """A rough surface needs no Embree."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("heights.toml", '[[layer]]\nmedium = "height_field"\nroughness = 0.5\n'
+                   'surface = "mirror"\ntile = 16\nresolution = 4\n')
+
+    def test_white_mirrors_keep_the_light_and_stand_beside_facets(self):
+        answer = self.json_of("compare", "heights.toml", "--walks", "20000", "--wi", "60", "--quiet", "-o", "out")
+        self.assertEqual([model["name"] for model in answer["models"]], 3 * ["microfacet"])
+        furnace = self.json_of("furnace", "heights.toml", "--walks", "4000", "--wi", "60", "--quiet",
+                               "--estimator", "analog")
+        self.assertAlmostEqual(furnace["runs"][0]["energy"][0], 1, delta=1e-12)
+
+    def test_the_text_that_is_shown_is_read_again(self):
+        shown = self.lamella("explain", "heights.toml").out.split("colour")[0].split("\n", 1)[1]
+        self.write("again.toml", shown)
+        self.assertEqual(self.json_of("explain", "again.toml", "--quiet")["stack"]["layer"],
+                         self.json_of("explain", "heights.toml", "--quiet")["stack"]["layer"])
+
+    def test_what_it_has_not_is_refused(self):
+        heights = (self.folder / "heights.toml").read_text()
+        self.write("over.toml", heights + "[substrate]\nalbedo = 0.5\n")
+        self.assertIn("height_field, which no light passes",
+                      self.lamella("simulate", "over.toml", status=2).err)
+        self.assertIn("allowed: sphere_bed", self.lamella("measure", "heights.toml", status=2).err)
+        self.write("small.toml", heights.replace("tile = 16", "tile = 2"))
+        self.assertIn('key "tile": found 2; allowed: a number in [8, ',
+                      self.lamella("simulate", "small.toml", status=2).err)

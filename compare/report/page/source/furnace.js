@@ -42,7 +42,8 @@ export function furnace(page, answer, details) {
   page.append(element("h2", {}, "All numbers"), table);
   if (hasStack) drawing.append(stackDrawing(answer.stack, thetaOf(series[0].runs[Math.floor(series[0].runs.length / 2)].mu_i)));
 
-  const parts = ["reflected", "transmitted", "uncollided", "absorbed", "unresolved"];
+  const parts = ["reflected", "transmitted", "uncollided", "absorbed", "unresolved",
+    ...(!models && answer.runs.some((r) => r.lost) ? ["lost"] : [])];
   function show() {
     const c = index();
     energyKey.replaceChildren(legend([...series.map((s, m) => ({name: s.name, model: m, symbol: "none"})),
