@@ -71,7 +71,7 @@ std::vector<ParameterInfo> lobe_parameters() {
        .kind = ParameterKind::choice,
        .unit = "1",
        .doc = "where the two further lobes come from; auto: given with a key of theirs, else "
-              "network for one layer within its ranges, else fit",
+              "network for one and two layers within its ranges, else fit",
        .default_value = "auto",
        .choices = {"auto", "network", "fit", "given", "none"}},
       weight("second_weight", "W1, of the second single-scattering lobe; 0: none"),
@@ -156,8 +156,9 @@ std::vector<NetworkLayer> network_layers(const Stack& stack) {
 
 std::string why_no_network(const Stack& stack) {
   if (!is_spongecake_stack(stack)) return "not a stack of SpongeCake's";
-  if (stack.layers.size() != 1)
-    return fmt::format("{} layers, and the network is trained on one", stack.layers.size());
+  if (stack.layers.empty() || stack.layers.size() > kNetworkLayers)
+    return fmt::format("{} layers, and the networks are trained on one and two",
+                       stack.layers.size());
   if (stack.substrate) return "a substrate, and the network is trained without";
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     const Layer& layer = stack.layers[k];
@@ -186,7 +187,7 @@ SpongecakeLobes predicted_lobes(const Stack& stack) {
   if (const std::string why = why_no_network(stack); !why.empty())
     throw ParameterError("lobes", fmt::format("network ({})", why), "fit, given, none or auto");
   const std::vector<NetworkLayer> layers = network_layers(stack);
-  const PredictedLobes found = spongecake_network().predict(layers);
+  const PredictedLobes found = spongecake_network(static_cast<int>(layers.size())).predict(layers);
   SpongecakeLobes lobes{.factors = {}, .reflect = found.reflect, .transmit = found.transmit};
   for (std::size_t k = 0; k < layers.size(); ++k) {
     const NetworkLayer &own = layers[k], &second = found.layers[k];

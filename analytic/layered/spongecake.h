@@ -48,8 +48,9 @@ struct SpongecakeLobes {
   Rgb reflect, transmit;
 };
 
-/// Why the network does not describe the stack; empty where it does: one layer of SGGX mirror
-/// flakes given by shape and roughness, no substrate, every number within SpongecakeRanges.
+/// Why the network does not describe the stack; empty where it does: one or two layers of
+/// SGGX mirror flakes given by shape and roughness, no substrate, every number within
+/// SpongecakeRanges.
 [[nodiscard]] std::string why_no_network(const Stack& stack);
 /// What the network predicts. Throws ParameterError where why_no_network has a reason.
 [[nodiscard]] SpongecakeLobes predicted_lobes(const Stack& stack);

@@ -188,9 +188,12 @@ PredictedLobes SpongecakeNetwork::predict(std::span<const NetworkLayer> layers) 
   return lobes;
 }
 
-const SpongecakeNetwork& spongecake_network() {
-  static const SpongecakeNetwork one(spongecake_weights());
-  return one;
+const SpongecakeNetwork& spongecake_network(int layers) {
+  static const SpongecakeNetwork one(spongecake_weights(1)), two(spongecake_weights(2));
+  if (layers < 1 || layers > kNetworkLayers)
+    throw std::invalid_argument(fmt::format(
+        "SpongeCake's networks: found {} layers; allowed: 1 to {}", layers, kNetworkLayers));
+  return layers == 1 ? one : two;
 }
 
 }  // namespace lamella

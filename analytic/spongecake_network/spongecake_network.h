@@ -10,6 +10,9 @@
 
 namespace lamella {
 
+/// The networks that are part of the program are for 1 to this many layers.
+inline constexpr int kNetworkLayers = 2;
+
 /// A layer of SGGX mirror flakes as the network reads it, and the same layer of the second lobe as
 /// it predicts it. Dimensionless; depth is thickness times density.
 struct NetworkLayer {
@@ -22,8 +25,8 @@ struct NetworkLayer {
 
 /// The lobes that stand for orders 2 and up.
 struct PredictedLobes {
-  std::array<NetworkLayer, 2> layers{};  ///< of the second lobe, whose weight W1 is 1
-  Rgb reflect, transmit;                 ///< albedos of the constant lobe, W2, per side
+  std::array<NetworkLayer, kNetworkLayers> layers{};  ///< of the second lobe, whose weight W1 is 1
+  Rgb reflect, transmit;  ///< albedos of the constant lobe, W2, per side
 };
 
 /// A perceptron with three hidden layers of 128 that maps the layers of a stack to SpongeCake's two
@@ -56,10 +59,10 @@ class SpongecakeNetwork {
   std::vector<Step> steps_;
 };
 
-/// The network that is part of the program, of one layer.
-[[nodiscard]] const SpongecakeNetwork& spongecake_network();
+/// The network for stacks of 1 to kNetworkLayers layers. Throws std::invalid_argument for others.
+[[nodiscard]] const SpongecakeNetwork& spongecake_network(int layers);
 
 /// The bytes of its weights.
-[[nodiscard]] std::string_view spongecake_weights();
+[[nodiscard]] std::string_view spongecake_weights(int layers);
 
 }  // namespace lamella

@@ -1,23 +1,32 @@
 #include "analytic/spongecake_network/spongecake_network.h"
 
-// The assembler takes the file in as it is. LAMELLA_SPONGECAKE_1 is the path that the build gives.
-asm(".section .rodata\n"
-    ".globl lamella_spongecake_1_begin\n"
-    ".globl lamella_spongecake_1_end\n"
-    "lamella_spongecake_1_begin:\n"
-    ".incbin \"" LAMELLA_SPONGECAKE_1
-    "\"\n"
-    "lamella_spongecake_1_end:\n"
-    ".byte 0\n"
-    ".previous\n");
+// The assembler takes a file in as it is, between the symbols NAME_begin and NAME_end.
+// LAMELLA_SPONGECAKE_1 and _2 are the paths that the build gives.
+#define LAMELLA_TAKE_IN(name, path) \
+  asm(".section .rodata\n"          \
+      ".globl " name                \
+      "_begin\n"                    \
+      ".globl " name "_end\n" name  \
+      "_begin:\n"                   \
+      ".incbin \"" path "\"\n" name \
+      "_end:\n"                     \
+      ".byte 0\n"                   \
+      ".previous\n")
 
-extern "C" const char lamella_spongecake_1_begin[], lamella_spongecake_1_end[];
+LAMELLA_TAKE_IN("lamella_spongecake_1", LAMELLA_SPONGECAKE_1);
+LAMELLA_TAKE_IN("lamella_spongecake_2", LAMELLA_SPONGECAKE_2);
+
+extern "C" const char lamella_spongecake_1_begin[], lamella_spongecake_1_end[],
+    lamella_spongecake_2_begin[], lamella_spongecake_2_end[];
 
 namespace lamella {
 
-std::string_view spongecake_weights() {
-  return {lamella_spongecake_1_begin,
-          static_cast<std::size_t>(lamella_spongecake_1_end - lamella_spongecake_1_begin)};
+std::string_view spongecake_weights(int layers) {
+  const auto between = [](const char* begin, const char* end) {
+    return std::string_view(begin, static_cast<std::size_t>(end - begin));
+  };
+  return layers == 1 ? between(lamella_spongecake_1_begin, lamella_spongecake_1_end)
+                     : between(lamella_spongecake_2_begin, lamella_spongecake_2_end);
 }
 
 }  // namespace lamella

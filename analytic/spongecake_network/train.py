@@ -2,8 +2,8 @@
 """Trains the networks that predict SpongeCake's lobes of multiple scattering.
 
     lamella dataset --layers 1 -o one-layer && lamella dataset --layers 2 -o two-layers
-    python3 train.py one-layer --weights spongecake_1.weights --minutes 60
-    python3 train.py two-layers --weights spongecake_2.weights --minutes 120
+    python3 train.py one-layer --weights spongecake_1.weights
+    python3 train.py two-layers --weights spongecake_2.weights
 
 Needs PyTorch (Debian: python3-torch) and NumPy; the program itself needs neither. One network per
 number of layers: a perceptron with three hidden layers of 128. It is evaluated once per colour
@@ -12,8 +12,9 @@ single scattering stands in `lobes` as tensors, and the loss compares it with th
 of the data set: --loss mae is the mean absolute error of f, as in the paper; --loss relative is the
 mean over the stacks of the root mean square error over the truth's root mean square.
 
-The best network so far is written at every validation. Beside the weights, NAME.json says how they
-were made, and NAME.csv has the curves.
+The best network so far is written at every validation, which is on the last tenth of the stacks.
+Beside the weights, NAME.json says how they were made, and NAME.csv has the curves. The same data,
+options, threads and release of PyTorch give the same weights.
 """
 import argparse
 import hashlib
@@ -25,14 +26,20 @@ import sys
 import time
 import zlib
 
-import numpy
-import torch
+try:
+    import numpy
+    import torch
+except ImportError as error:
+    sys.exit(f"train.py: found no {error.name}; allowed: a Python that has NumPy and PyTorch "
+             "(Debian: /usr/bin/python3 with python3-torch)")
 
 HIDDEN = 128
 ROUGHNESS, DEPTH = (0.05, 1.0), (0.02, 10.0)  # analytic/spongecake_network/spongecake_ranges.h
 LEAST_ROUGHNESS, MOST_ROUGHNESS, LEAST_F0 = 0.02, 0.999, 0.01
 CELL_POINTS = 2  # per axis of a cell, in validations
-MOST_CHECKED = 64  # stacks of a validation
+MOST_CHECKED = 200  # stacks of a validation
+VALIDATED = ("relative_rmse_mean", "relative_rmse_median", "relative_rmse_90_percent",
+             "mean_absolute_error")
 
 
 def layer_inputs(layers):
@@ -235,12 +242,8 @@ def validate(data, net, stacks):
             relative.append(((share - noise).clamp_min(0) / (1 - noise).clamp_min(0.05)).sqrt())
             absolute += float((model - f).abs().mean((1, 2)).sum())
     relative = torch.cat(relative)
-    return {
-        "relative_rmse_mean": float(relative.mean()),
-        "relative_rmse_median": float(relative.median()),
-        "relative_rmse_90_percent": float(relative.quantile(0.9)),
-        "mean_absolute_error": absolute / len(stacks),
-    }
+    return dict(zip(VALIDATED, (float(relative.mean()), float(relative.median()),
+                                float(relative.quantile(0.9)), absolute / len(stacks))))
 
 
 def save(net, layers, path):
@@ -272,7 +275,9 @@ def write(given, data, net, curve, training, validation):
         "training_stacks": len(training), "held_out_stacks": len(validation),
         "validated_stacks": min(len(validation), MOST_CHECKED),
         "steps": curve[-1]["steps"], "seconds": curve[-1]["seconds"],
-        "validation": {k: v for k, v in curve[-1].items() if "relative" in k or "mean" in k},
+        "validation": {k: curve[-1][k] for k in VALIDATED},
+        # Of as many stacks that were trained on.
+        "training_relative_rmse_mean": curve[-1]["training_rmse_mean"],
         "weights_sha256": hashlib.sha256(weights).hexdigest(),
         "examples": [
             {"parameters": data.parameters[s].tolist(),
@@ -294,16 +299,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folder", help="of lamella dataset")
     parser.add_argument("--weights", required=True, help="file to write")
-    parser.add_argument("--minutes", type=float, default=60, help="of training, by the clock")
+    parser.add_argument("--steps", type=int, default=50000, help="of training")
     parser.add_argument("--loss", choices=["mae", "relative"], default="relative")
     parser.add_argument("--batch", type=int, default=32, help="stacks per step")
-    parser.add_argument("--cells", type=int, default=64, help="cells per stack and step")
-    parser.add_argument("--points", type=int, default=1, help="per axis of a cell, at random")
+    parser.add_argument("--cells", type=int, default=128, help="cells per stack and step")
+    parser.add_argument("--points", type=int, default=2, help="per axis of a cell, at random")
     parser.add_argument("--rate", type=float, default=2e-3, help="of Adam, at the beginning")
     parser.add_argument("--checks", type=int, default=12, help="validations in all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     given = parser.parse_args()
+    for name in ("steps", "batch", "cells", "points", "checks", "threads"):
+        if vars(given)[name] < 1:
+            sys.exit(f"train.py: --{name}: found {vars(given)[name]}; allowed: 1 or more")
     torch.manual_seed(given.seed)
     torch.set_num_threads(given.threads)
     data = Data(given.folder)
@@ -321,7 +329,7 @@ def main():
     while share < 1:
         order = training[torch.randperm(len(training))]
         for stacks in order.split(given.batch):
-            share = min((time.time() - start) / (60 * given.minutes), 1)
+            share = (step + 1) / given.steps
             for group in adam.param_groups:
                 group["lr"] = given.rate * (0.005 + 0.995 * 0.5 * (1 + math.cos(math.pi * share)))
             cells = torch.randint(data.f.shape[1], (len(stacks), given.cells))
@@ -339,10 +347,12 @@ def main():
             torch.nn.utils.clip_grad_norm_(net.parameters(), 1.0)
             adam.step()
             sums, since, step = sums + float(loss.detach()), since + 1, step + 1
-            if share * given.checks >= len(curve) + 1 or share == 1:
+            if share * given.checks >= len(curve) + 1:
                 now = validate(data, net, validation[:MOST_CHECKED])
+                known = validate(data, net, training[:MOST_CHECKED])
                 row = {"seconds": round(time.time() - start), "steps": step,
-                       "loss": sums / since, **now}
+                       "loss": sums / since, **now,
+                       "training_rmse_mean": known["relative_rmse_mean"]}
                 sums, since = 0.0, 0
                 curve.append(row)
                 print(json.dumps(row), flush=True)

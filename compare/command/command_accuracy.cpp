@@ -9,6 +9,7 @@
 #include "compare/judge/coat_accuracy.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/percent.h"
 #include "compare/request/run_monitor.h"
@@ -98,6 +99,8 @@ Json measured_coats(const Options& options, const RunMonitor& monitor, std::FILE
 }  // namespace
 
 int accuracy_command(const Options& options) {
+  if (!options.output.empty() && !options.spongecake)
+    throw UsageError("accuracy: -o: found without --spongecake; allowed: beside --spongecake");
   std::FILE* out = table_stream(options);
   Json answer = json_header("accuracy", options.seed, isa_of(options));
   answer["tolerance"] = options.tolerance;

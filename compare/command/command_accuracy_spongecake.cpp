@@ -1,16 +1,22 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "analytic/layered/spongecake.h"
 #include "compare/command/accuracy_commands.h"
 #include "compare/command/command.h"
+#include "compare/command/picture_options.h"
 #include "compare/ensemble/spongecake_accuracy.h"
+#include "compare/files/output_folder.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
+#include "compare/reproduce/spongecake_matrix.h"
 #include "compare/request/percent.h"
 #include "compare/request/run_monitor.h"
 #include "compare/request/stopwatch.h"
@@ -69,29 +75,38 @@ struct StackPart {
   std::function<bool(const Stack&)> has;
 };
 
-std::vector<StackPart> parts() {
-  const auto layers = [](std::size_t n) {
-    return [n](const Stack& s) { return s.layers.size() == n; };
+// The parts of the stacks with this many layers.
+std::vector<StackPart> parts_of(std::size_t layers) {
+  const std::string name = layers == 1 ? "one layer" : "two layers";
+  std::vector<StackPart> list;
+  const auto add = [&](const std::string& part, const std::function<bool(const Stack&)>& has) {
+    list.push_back({part.empty() ? "**" + name + "**" : name + ": " + part,
+                    [=](const Stack& s) { return s.layers.size() == layers && has(s); }});
+  };
+  const auto fibers = [](double from, double to) {
+    return [=](const Stack& s) {
+      const double share = mean_over_layers(s, [](const Layer& l) { return is_fiber(l) ? 1 : 0; });
+      return share >= from && share <= to;
+    };
   };
   const auto within = [](double (*of)(const Stack&), double from, double to) {
     return [=](const Stack& s) { return of(s) >= from && of(s) < to; };
   };
   const auto albedo = [](const Stack& s) { return mean_over_layers(s, albedo_of); };
-  return {{"one layer", layers(1)},
-          {"two layers", layers(2)},
-          {"one layer: surface",
-           [](const Stack& s) { return s.layers.size() == 1 && !is_fiber(s.layers[0]); }},
-          {"one layer: fiber",
-           [](const Stack& s) { return s.layers.size() == 1 && is_fiber(s.layers[0]); }},
-          {"least roughness 0.05 to 0.2", within(roughness_of, 0, 0.2)},
-          {"least roughness 0.2 to 0.5", within(roughness_of, 0.2, 0.5)},
-          {"least roughness 0.5 to 1", within(roughness_of, 0.5, 2)},
-          {"depth below 0.3", within(depth_of, 0, 0.3)},
-          {"depth 0.3 to 3", within(depth_of, 0.3, 3)},
-          {"depth above 3", within(depth_of, 3, 1e9)},
-          {"mean albedo below 0.4", within(albedo, 0, 0.4)},
-          {"mean albedo 0.4 to 0.7", within(albedo, 0.4, 0.7)},
-          {"mean albedo above 0.7", within(albedo, 0.7, 2)}};
+  add("", [](const Stack&) { return true; });
+  add(layers == 1 ? "surface" : "surfaces", fibers(0, 0));
+  add(layers == 1 ? "fiber" : "fibers", fibers(1, 1));
+  add("one of each", fibers(0.1, 0.9));
+  add("least roughness 0.05 to 0.2", within(roughness_of, 0, 0.2));
+  add("least roughness 0.2 to 0.5", within(roughness_of, 0.2, 0.5));
+  add("least roughness 0.5 to 1", within(roughness_of, 0.5, 2));
+  add("depth below 0.3", within(depth_of, 0, 0.3));
+  add("depth 0.3 to 3", within(depth_of, 0.3, 3));
+  add("depth above 3", within(depth_of, 3, 1e9));
+  add("mean albedo below 0.4", within(albedo, 0, 0.4));
+  add("mean albedo 0.4 to 0.7", within(albedo, 0.4, 0.7));
+  add("mean albedo above 0.7", within(albedo, 0.7, 2));
+  return list;
 }
 
 double fit_of(const SpongecakeAccuracy& r, double LobeErrors::*which) {
@@ -130,18 +145,66 @@ std::string described(const Stack& stack) {
   return text;
 }
 
-void print_worst(std::FILE* out, const std::string& title, Rows rows, const Value& value) {
+// The worst first.
+Rows worst_of(Rows rows, const Value& value) {
   std::sort(rows.begin(), rows.end(),
             [&](const auto* a, const auto* b) { return value(*a) > value(*b); });
+  rows.resize(std::min(kWorst, rows.size()));
+  return rows;
+}
+
+double network_error(const SpongecakeAccuracy& row) { return row.network.multiple; }
+double form_error(const SpongecakeAccuracy& row) { return fit_of(row, &LobeErrors::multiple); }
+
+void print_worst(std::FILE* out, const std::string& title, const Rows& worst) {
   fmt::print(out,
              "\n{}\n\n| stack | network | fit | 2+ of the energy | noise |\n"
              "| --- | --- | --- | --- | --- |\n",
              title);
-  for (std::size_t k = 0; k < std::min(kWorst, rows.size()); ++k)
-    fmt::print(out, "| {}: {} | {} | {} | {} | {} |\n", rows[k]->stack.name,
-               described(rows[k]->stack), percent_text(rows[k]->network.multiple),
-               percent_text(fit_of(*rows[k], &LobeErrors::multiple)),
-               percent_text(rows[k]->multiple_share), percent_text(rows[k]->noise));
+  for (const SpongecakeAccuracy* row : worst)
+    fmt::print(out, "| {}: {} | {} | {} | {} | {} |\n", row->stack.name, described(row->stack),
+               percent_text(row->network.multiple), percent_text(form_error(*row)),
+               percent_text(row->multiple_share), percent_text(row->noise));
+}
+
+// Lobe matrices of these stacks, NAME.png, with this many walks along each of their directions;
+// those that were written.
+std::vector<std::string> draw_worst(const std::filesystem::path& folder, const Rows& worst,
+                                    std::uint64_t walks, const RunMonitor& monitor) {
+  std::vector<std::string> written;
+  for (const SpongecakeAccuracy* row : worst) {
+    const std::string name = row->stack.name + ".png";
+    if (monitor.is_stopped() || std::find(written.begin(), written.end(), name) != written.end())
+      continue;
+    const MultipleLobes truth = matrix_truth(row->stack, walks, 1);
+    const SpongecakeTrial trial(row->stack, truth);
+    std::optional<SpongecakeLobes> best;
+    if (row->fit) best = SpongecakeTrial(row->stack, thinned(truth)).best();
+    const LobeMatrix matrix =
+        spongecake_matrix(trial, predicted_lobes(row->stack), best, false,
+                          fmt::format("{}: {}", row->stack.name, described(row->stack)));
+    write_file(folder / name, draw_lobe_matrix(matrix, PictureFormat::png));
+    written.push_back(name);
+  }
+  return written;
+}
+
+void print_parts(std::FILE* out, const AccuracyEnsemble& ensemble, const Rows& all, bool fits) {
+  fmt::print(out,
+             "{} random stacks, {} walks along each of {} directions; relative RMSE over 8 x 16 "
+             "cells per side and 3\nchannels, noise taken off: mean / 90th percentile over the "
+             "stacks; noise {} of a stack's RMS on average\n\n"
+             "| stacks | number | 2+: network | 2+: best fit | all: no lobes | all: network | "
+             "all: best fit |\n| --- | --- | --- | --- | --- | --- | --- |\n",
+             all.size(), ensemble.walks, ensemble.directions,
+             percent_text(mean_of(all, [](const SpongecakeAccuracy& r) { return r.noise; })));
+  for (const std::size_t layers : {1u, 2u})
+    for (const StackPart& part : parts_of(layers)) {
+      Rows those;
+      for (const SpongecakeAccuracy* row : all)
+        if (part.has(row->stack)) those.push_back(row);
+      if (!those.empty()) print_part(out, part.name, those, fits);
+    }
 }
 
 Json errors_json(const LobeErrors& e) { return {{"multiple", e.multiple}, {"all", e.all}}; }
@@ -150,8 +213,14 @@ Json errors_json(const LobeErrors& e) { return {{"multiple", e.multiple}, {"all"
 
 Json spongecake_accuracy(const Options& options, const RunMonitor& monitor, std::FILE* out) {
   AccuracyEnsemble ensemble;
-  if (options.quick) ensemble.one_layer = 16;
+  if (options.quick) ensemble.one_layer = ensemble.two_layers = 8;
   if (options.walks_given) ensemble.walks = options.walks;
+  const bool draws = !options.output.empty();
+  // Before the work: a folder that cannot be made, a build that cannot draw.
+  if (draws) {
+    (void)picture_formats_of({"png"});
+    make_output_folder(options.output);
+  }
   std::vector<SpongecakeAccuracy> rows;
   Json list = Json::array();
   measure_spongecake_accuracy(ensemble, monitor, [&](const SpongecakeAccuracy& row) {
@@ -165,35 +234,28 @@ Json spongecake_accuracy(const Options& options, const RunMonitor& monitor, std:
     if (row.fit) one["fit"] = errors_json(*row.fit);
     list.push_back(std::move(one));
   });
-  if (!options.quiet && !rows.empty()) {
-    Rows all;
-    for (const SpongecakeAccuracy& row : rows) all.push_back(&row);
-    const bool fits = rows.front().fit.has_value();
-    fmt::print(out,
-               "{} random stacks, {} walks along each of {} directions; relative RMSE over 8 x 16 "
-               "cells per side and 3\nchannels, noise taken off: mean / 90th percentile over the "
-               "stacks; noise {} of a stack's RMS on average\n\n"
-               "| stacks | number | 2+: network | 2+: best fit | all: no lobes | all: network | "
-               "all: best fit |\n| --- | --- | --- | --- | --- | --- | --- |\n",
-               rows.size(), ensemble.walks, ensemble.directions,
-               percent_text(mean_of(all, [](const SpongecakeAccuracy& r) { return r.noise; })));
-    print_part(out, "all", all, fits);
-    for (const StackPart& part : parts()) {
-      Rows those;
-      for (const SpongecakeAccuracy& row : rows)
-        if (part.has(row.stack)) those.push_back(&row);
-      if (!those.empty()) print_part(out, part.name, those, fits);
-    }
-    print_worst(out, "Where the network is worst", all,
-                [](const SpongecakeAccuracy& r) { return r.network.multiple; });
-    if (fits)
-      print_worst(out, "Where the form of two lobes is worst", all,
-                  [](const SpongecakeAccuracy& r) { return fit_of(r, &LobeErrors::multiple); });
+  if (rows.empty()) return list;
+  Rows all;
+  for (const SpongecakeAccuracy& row : rows) all.push_back(&row);
+  const bool fits = rows.front().fit.has_value();
+  const Rows network = worst_of(all, network_error);
+  const Rows form = fits ? worst_of(all, form_error) : Rows();
+  if (!options.quiet) {
+    print_parts(out, ensemble, all, fits);
+    print_worst(out, "Where the network is worst", network);
+    if (fits) print_worst(out, "Where the form of two lobes is worst", form);
     const double seconds = wall_seconds_of([&] {
       for (const SpongecakeAccuracy* row : all) (void)predicted_lobes(row->stack);
     });
     fmt::print(out, "\nthe network predicts a stack's lobes in {:.0f} microseconds\n",
                1e6 * seconds / static_cast<double>(all.size()));
+  }
+  if (draws) {
+    Rows worst = network;
+    worst.insert(worst.end(), form.begin(), form.end());
+    const std::vector<std::string> written =
+        draw_worst(options.output, worst, ensemble.walks, monitor);
+    if (!options.quiet) fmt::print(out, "wrote {}/: {}\n", options.output, fmt::join(written, " "));
   }
   return list;
 }

@@ -71,8 +71,9 @@ void define_accuracy(CommandLine& line) {
                    "albedo of the base");
   command.add_flag("--spongecake", line.options.spongecake,
                    "Instead: SpongeCake's lobes of multiple scattering, none, of the network and "
-                   "fitted, on 500 random stacks (--quick: 16)");
-  add_walks(command, line, "Walks per incident direction of --spongecake", 65536);
+                   "fitted, on 250 random stacks of one layer and 250 of two (--quick: 8 and 8)");
+  add_walks(command, line, "Walks per incident direction of --spongecake", 131072);
+  add_output(command, line, "FOLDER", "Pictures of the worst stacks of --spongecake, as PNG");
   add_json(command, line);
 }
 

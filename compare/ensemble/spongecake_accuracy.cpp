@@ -77,7 +77,7 @@ SpongecakeLobes SpongecakeTrial::best() const {
     const Direction wi = incident_[direction_[k]];
     cells.push_back({.wi = wi,
                      .wo = cell_nodes(wi, row_[k], column_[k], grid_.mu_cells, grid_.phi_cells,
-                                      (wi.z > 0) == reflected_[k]),
+                                      (wi.z > 0) == reflected_[k], cell_parts(stack_)),
                      .truth = truth_[k],
                      .variance = variance_[k],
                      .reflected = reflected_[k]});
@@ -92,7 +92,7 @@ std::vector<Rgb> SpongecakeTrial::values(const SpongecakeLobes& lobes) const {
     const Direction wi = incident_[direction_[k]];
     const LobeCell cell{.wi = wi,
                         .wo = cell_nodes(wi, row_[k], column_[k], grid_.mu_cells, grid_.phi_cells,
-                                         (wi.z > 0) == reflected_[k]),
+                                         (wi.z > 0) == reflected_[k], cell_parts(stack_)),
                         .reflected = reflected_[k]};
     values.push_back(value_of(second, lobes, cell));
   }

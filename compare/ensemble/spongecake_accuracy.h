@@ -32,8 +32,8 @@ struct SpongecakeAccuracy {
 
 /// What the measurement runs over: stacks of an ensemble whose seed is not that of the training.
 struct AccuracyEnsemble {
-  std::uint64_t one_layer = 500, two_layers = 0, walks = 65536, seed = 1000001;
-  int directions = 8;
+  std::uint64_t one_layer = 250, two_layers = 250, walks = 131072, seed = 1000001;
+  int directions = 4;
 };
 
 /// One stack after the other, in order; until the monitor says stop. Throws NonFiniteError.

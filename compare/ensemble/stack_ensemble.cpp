@@ -64,7 +64,10 @@ Layer flake_layer(bool fiber, double roughness, Direction axis, Rgb albedo, Rgb 
 
 Stack random_spongecake_stack(int layers, std::uint64_t seed, std::uint64_t number) {
   RandomStream stream = stream_of(layers, seed, number, false);
-  Stack stack{.name = fmt::format("{}_layer_{:05}", layers == 1 ? "one" : fmt::format("{}", layers),
+  Stack stack{.name = fmt::format("{}_layer_{:05}",
+                                  layers == 1   ? "one"
+                                  : layers == 2 ? "two"
+                                                : fmt::format("{}", layers),
                                   number),
               .layers = {},
               .substrate = {}};

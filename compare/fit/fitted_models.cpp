@@ -60,7 +60,8 @@ ModelRequest with_fitted_lobes(ModelRequest request, const Stack& stack) {
   if (why_not.empty()) {
     try {
       request = take(fit_spongecake_to_truth(stack, {}).fit.request, "fit");
-      request.sources["lobes"] = fmt::format("{}; no network: {}", source, no_network);
+      if (!no_network.empty())
+        request.sources["lobes"] = fmt::format("{}; no network: {}", source, no_network);
       return request;
     } catch (const std::invalid_argument& error) {
       why_not = error.what();

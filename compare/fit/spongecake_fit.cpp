@@ -30,7 +30,9 @@ struct Cells {
   std::vector<std::size_t> residue;
 };
 
-Cells cells_of(const std::vector<RunResult>& runs, std::vector<SpongecakeResidue>& residues) {
+Cells cells_of(const Stack& stack, const std::vector<RunResult>& runs,
+               std::vector<SpongecakeResidue>& residues) {
+  const int parts = cell_parts(stack);
   Cells all;
   for (const RunResult& run : runs)
     for (const bool reflected : {true, false}) {
@@ -39,11 +41,12 @@ Cells cells_of(const std::vector<RunResult>& runs, std::vector<SpongecakeResidue
       const std::size_t count = run.grid.cells();
       const LobeEstimate& lobe = side.lobes[Order::multiple];
       for (std::size_t k = 0; k < count; ++k) {
-        LobeCell cell{.wi = run.incident,
-                      .wo = cell_nodes(run.incident, static_cast<int>(k) / run.grid.columns(),
-                                       static_cast<int>(k) % run.grid.columns(), run.grid.mu_cells,
-                                       run.grid.phi_cells, (run.incident.z > 0) == reflected),
-                      .reflected = reflected};
+        LobeCell cell{
+            .wi = run.incident,
+            .wo = cell_nodes(run.incident, static_cast<int>(k) / run.grid.columns(),
+                             static_cast<int>(k) % run.grid.columns(), run.grid.mu_cells,
+                             run.grid.phi_cells, (run.incident.z > 0) == reflected, parts),
+            .reflected = reflected};
         for (int c = 0; c < 3; ++c) {
           const std::size_t at = (run.channels == 3 ? c : 0) * count + k;
           cell.truth[c] = lobe.value[at];
@@ -82,7 +85,7 @@ std::string lobes_request(const Stack& stack, const SpongecakeLobes& lobes) {
 
 SpongecakeFit fit_spongecake(const Stack& stack, const std::vector<RunResult>& runs) {
   SpongecakeFit fit;
-  const Cells all = cells_of(runs, fit.residues);
+  const Cells all = cells_of(stack, runs, fit.residues);
   const std::vector<LobeCell>& cells = all.cells;
   const int channels = runs.front().channels;
   double square = 0;

@@ -15,6 +15,8 @@ namespace {
 constexpr double kLargestFactor = 1e3;
 // Narrower flakes than this are narrower than a cell.
 constexpr double kLeastRoughness = 0.02, kMostRoughness = 0.999, kLargestG = 0.98;
+// Lobes of rougher flakes are wider than a part of a cell.
+constexpr double kNarrowRoughness = 0.2;
 constexpr int kIterations = 40;
 constexpr double kTolerance = 1e-6;
 
@@ -75,6 +77,13 @@ class Search {
                                       : Scale{kLeastRoughness, kMostRoughness, true});
       if (g.deep) scales_.push_back({1 / kLargestFactor, kLargestFactor, true});
     }
+    has_unit_columns_ = std::all_of(groups_.begin(), groups_.end(), [&](const Group& g) {
+      const Layer& layer = stack.layers[g.first];
+      const auto is_positive = [](Rgb x) { return x.r > 0 && x.g > 0 && x.b > 0; };
+      return g.flakes && is_positive(layer.albedo) && is_positive(layer.f0);
+    });
+    is_grey_ = std::all_of(stack.layers.begin(), stack.layers.end(),
+                           [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); });
     if (stack.is_open_below()) constants_ = 2;
     columns_ += constants_;
     for (const LobeCell& cell : cells)
@@ -151,13 +160,14 @@ class Search {
     columns.assign(cells_.size() * columns_, 0);
     for (std::size_t n = 0; n < cells_.size(); ++n) {
       double* row = &columns[n * columns_];
+      const double weight = 1.0 / static_cast<double>(cells_[n].wo.size());
       for (const Direction wo : cells_[n].wo) {
         single_scattering_by_layer(second, cells_[n].wi, wo, layers);
         int at = 0;
         for (const Group& g : groups_) {
           for (int k = g.first; k < g.end; ++k) {
             const Layer& own = stack_.layers[k];
-            const double f0 = own.f0[c], a = 0.25 * own.albedo[c];
+            const double f0 = own.f0[c], a = weight * (has_unit_columns_ ? 1 : own.albedo[c]);
             if (!g.flakes) {
               row[at] += a * (f0 * layers[k].full + (1 - f0) * layers[k].edge);
             } else {
@@ -180,7 +190,7 @@ class Search {
     std::vector<double> columns;
     const double scale = 1 / std::sqrt(square_);
     for (int c = 0; c < channels_; ++c) {
-      if (c == 0 || !same_columns()) fill_columns(second, c, columns);
+      if (c == 0 || !(has_unit_columns_ || is_grey_)) fill_columns(second, c, columns);
       NormalEquations equations(columns_);
       for (std::size_t n = 0; n < cells_.size(); ++n)
         equations.add({&columns[n * columns_], static_cast<std::size_t>(columns_)},
@@ -201,12 +211,6 @@ class Search {
                        [](double r) { return std::isfinite(r); });
   }
 
-  // Whether the columns of all channels are the same.
-  [[nodiscard]] bool same_columns() const {
-    return std::all_of(stack_.layers.begin(), stack_.layers.end(),
-                       [](const Layer& l) { return l.albedo.is_grey() && l.f0.is_grey(); });
-  }
-
   [[nodiscard]] SpongecakeLobes lobes_at(std::span<const double> x) const {
     SpongecakeLobes lobes{.factors = shape_at(x), .reflect = {}, .transmit = {}};
     const std::vector<std::vector<double>> found = coefficients(lobes.factors, {});
@@ -221,6 +225,7 @@ class Search {
           sum += at[column + 1];
           if (f0 > 0 && sum > 0) lobes.factors[k].f0[c] = full / sum / f0;
         }
+        if (has_unit_columns_) sum /= stack_.layers[groups_[k].first].albedo[c];
         lobes.factors[k].albedo[c] = sum;
         column += groups_[k].columns();
       }
@@ -235,28 +240,45 @@ class Search {
   int channels_;
   std::vector<Group> groups_;
   std::vector<Scale> scales_;
+  // Columns of albedo 1, which are those of all channels: flakes alone, none of them black.
+  bool has_unit_columns_ = false;
+  bool is_grey_ = false;
   int columns_ = 0, constants_ = 1;
   double square_ = 0;
 };
 
 }  // namespace
 
-std::array<Direction, 4> cell_nodes(Direction wi, int row, int column, int mu_cells, int phi_cells,
-                                    bool up) {
+std::vector<Direction> cell_nodes(Direction wi, int row, int column, int mu_cells, int phi_cells,
+                                  bool up, int parts) {
   const double node[2] = {0.5 - std::sqrt(3.0) / 6, 0.5 + std::sqrt(3.0) / 6};
-  std::array<Direction, 4> nodes;
-  for (int n = 0; n < 4; ++n) {
-    const double mu2 = 1 - (row + node[n / 2]) / mu_cells;
-    const double phi = 2 * kPi * (column + node[n % 2]) / phi_cells;
-    nodes[n] = direction_from_mu_phi((up ? 1 : -1) * std::sqrt(mu2), azimuth(wi) + phi);
+  const int count = 2 * parts;
+  const auto at = [&](int n) { return (n / 2 + node[n % 2]) / parts; };
+  std::vector<Direction> nodes;
+  for (int n = 0; n < count * count; ++n) {
+    const double mu2 = 1 - (row + at(n / count)) / mu_cells;
+    const double phi = 2 * kPi * (column + at(n % count)) / phi_cells;
+    nodes.push_back(direction_from_mu_phi((up ? 1 : -1) * std::sqrt(mu2), azimuth(wi) + phi));
   }
   return nodes;
+}
+
+int cell_parts(const Stack& stack) {
+  return std::any_of(stack.layers.begin(), stack.layers.end(),
+                     [](const Layer& layer) {
+                       return !std::holds_alternative<HenyeyGreenstein>(layer.medium) &&
+                              layer.parameters.has("roughness") &&
+                              layer.parameters.number("roughness") < kNarrowRoughness;
+                     })
+             ? 2
+             : 1;
 }
 
 Rgb value_of(const Stack& second, const SpongecakeLobes& lobes, const LobeCell& cell) {
   Rgb sum;
   for (const Direction wo : cell.wo) sum += single_scattering(second, cell.wi, wo).layers;
-  return 0.25 * sum + 1 / kPi * (cell.reflected ? lobes.reflect : lobes.transmit);
+  return 1.0 / static_cast<double>(cell.wo.size()) * sum +
+         1 / kPi * (cell.reflected ? lobes.reflect : lobes.transmit);
 }
 
 TwoLobeFit fit_two_lobes(const Stack& stack, const std::vector<LobeCell>& cells, int channels) {

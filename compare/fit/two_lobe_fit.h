@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "analytic/layered/spongecake.h"
@@ -11,15 +10,19 @@ namespace lamella {
 /// A cell of orders 2 and up of a stack, for a fit: one of those of equal projected solid angle.
 struct LobeCell {
   Direction wi{};
-  std::array<Direction, 4> wo{};  ///< nodes of Gauss's rule in mu^2 and phi
-  Rgb truth{}, variance{};        ///< mean of f [1/sr] over the cell, and its variance
+  std::vector<Direction> wo{};  ///< nodes in mu^2 and phi, of equal weights
+  Rgb truth{}, variance{};      ///< mean of f [1/sr] over the cell, and its variance
   bool reflected = true;
 };
 
 /// The nodes of a cell: row and column of a grid of mu_cells x phi_cells over one hemisphere, phi
-/// relative to w_i. up: the upper hemisphere.
-[[nodiscard]] std::array<Direction, 4> cell_nodes(Direction wi, int row, int column, int mu_cells,
-                                                  int phi_cells, bool up);
+/// relative to w_i. up: the upper hemisphere. Gauss's rule of two nodes per axis in each of
+/// parts x parts parts of the cell.
+[[nodiscard]] std::vector<Direction> cell_nodes(Direction wi, int row, int column, int mu_cells,
+                                                int phi_cells, bool up, int parts = 1);
+/// The parts that cells of 8 x 16 need: 2 with flakes of a roughness below 0.2, whose lobes are
+/// narrower than a cell, else 1.
+[[nodiscard]] int cell_parts(const Stack& stack);
 
 /// The mean over a cell of two lobes; second: their spongecake_second_stack.
 [[nodiscard]] Rgb value_of(const Stack& second, const SpongecakeLobes& lobes, const LobeCell& cell);

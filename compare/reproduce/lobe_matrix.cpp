@@ -9,7 +9,7 @@
 namespace lamella {
 namespace {
 
-constexpr int kPanel = 256, kMargin = 20, kGap = 20, kHead = 72, kLabel = 18;
+constexpr int kPanel = 256, kMargin = 20, kGap = 36, kHead = 72, kLabel = 18;
 constexpr Color kInk{30, 34, 40};
 
 // The value at (incident direction, outgoing cell of absolute azimuth) of a side.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 
 #include "analytic/catalogue/model_plugin.h"
@@ -185,10 +186,26 @@ std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests
   return all;
 }
 
+namespace {
+
+// N of a key that ends in _N; else 0.
+int number_of(const std::string& key) {
+  const std::size_t at = key.rfind('_') + 1;
+  int number = 0;
+  const char* end = key.data() + key.size();
+  const auto [stop, error] = std::from_chars(key.data() + at, end, number);
+  return at > 0 && error == std::errc() && stop == end ? number : 0;
+}
+
+}  // namespace
+
 std::vector<std::string> told_parameters(const BoundModel& model) {
+  int last = 0;
+  for (const auto& [key, source] : model.sources)
+    if (source != "default") last = std::max(last, number_of(key));
   std::vector<std::string> told;
   for (const ParameterInfo& info : parameters_of(*model.info, model.parameters))
-    if (model.parameters.has(info.name))
+    if (model.parameters.has(info.name) && number_of(info.name) <= last)
       told.push_back(fmt::format("{} = {} ({})", info.name, to_text(model.parameters.at(info.name)),
                                  model.sources.at(info.name)));
   return told;

@@ -68,7 +68,8 @@ void check_request(const ModelRequest& request);
 [[nodiscard]] std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests,
                                                      const Stack& stack);
 
-/// "key = value (source)" of every parameter, in the model's order.
+/// "key = value (source)" of every parameter, in the model's order. Numbered keys (NAME_1, NAME_2,
+/// ...) end with the highest number that is no default's.
 [[nodiscard]] std::vector<std::string> told_parameters(const BoundModel& model);
 /// The parameters as lines of at most `width` columns, each after `indent` blanks and ended by
 /// '\n'.

@@ -2,7 +2,7 @@
 
 import unittest
 
-from lamella_program import WITH_EMBREE, ProgramTest, check_schema
+from lamella_program import WITH_CERES, WITH_EMBREE, ProgramTest, check_schema
 
 SHORT = ["--walks", "2e4", "--wi", "60", "--grid", "4x8"]
 
@@ -104,6 +104,27 @@ class Spongecake(ProgramTest):
         self.assertAlmostEqual(self.all_orders(none), self.all_orders(single), places=12)
         self.assertEqual((given["parameters"]["lobes"], given["parameters"]["second_weight"]),
                          ("given", 0))
+
+    def test_takes_the_network_of_one_or_two_layers_within_its_ranges_and_says_why_not(self):
+        model = self.json_of("compare", "spongecake_two_layer", *SHORT, "--quiet", "--model", "spongecake")["models"][0]
+        self.assertEqual(model["parameters"]["lobes"], "network")
+        self.assertEqual(model["parameter_sources"]["second_roughness_2"], "network")
+        told = self.lamella("compare", "spongecake_two_layer", *SHORT, "--model", "spongecake,lobes=none",
+                            "--model", "spongecake").out
+        self.assertIn("second_roughness_2", told)
+        self.assertNotIn("second_roughness_3", told)
+        self.assertEqual(told.count("second_roughness_2"), 1)
+        layer = '[[layer]]\nmedium = "sggx"\nshape = "surface"\nroughness = 0.5\nalbedo = 0.3\nthickness = {}\n'
+        why = {"deep.toml": "depth 12 of layer 0 is outside of the trained 0.02 to 10",
+               "three.toml": "3 layers, and the networks are trained on one and two"}
+        self.write("deep.toml", layer.format(12))
+        self.write("three.toml", 3 * layer.format(0.3))
+        for name, reason in why.items():
+            refused = self.lamella("compare", name, *SHORT, "--model", "spongecake,lobes=network", status=2)
+            self.assertIn(reason, refused.err)
+            model = self.json_of("compare", name, *SHORT, "--quiet", "--model", "spongecake")["models"][0]
+            self.assertEqual(model["parameters"]["lobes"], "fit" if WITH_CERES else "none")
+            self.assertIn(reason, model["parameter_sources"]["lobes"])
 
     def test_fit_writes_what_model_reads(self):
         fit = self.json_of("fit", "sggx_slab", "--quiet", "-o", "fit.txt")

@@ -59,9 +59,9 @@ constexpr double kRounding = 2e-4;
 
 TEST(SpongecakeNetwork, PredictsLobesThatAreOnes) {
   RandomStream stream(1, 0, StreamPurpose::test);
-  for (const int count : {1})
+  for (const int count : {1, 2})
     for (int n = 0; n < 500; ++n) {
-      const PredictedLobes lobes = spongecake_network().predict(random_layers(count, stream));
+      const PredictedLobes lobes = spongecake_network(count).predict(random_layers(count, stream));
       for (int k = 0; k < count; ++k) {
         const NetworkLayer& layer = lobes.layers[k];
         EXPECT_GT(layer.roughness, 0);
@@ -80,8 +80,8 @@ TEST(SpongecakeNetwork, PredictsLobesThatAreOnes) {
 
 TEST(SpongecakeNetwork, GivesGreyStacksGreyLobesAndExchangesChannels) {
   RandomStream stream(2, 0, StreamPurpose::test);
-  for (const int count : {1}) {
-    const SpongecakeNetwork& network = spongecake_network();
+  for (const int count : {1, 2}) {
+    const SpongecakeNetwork& network = spongecake_network(count);
     for (int n = 0; n < 50; ++n) {
       std::vector<NetworkLayer> layers = random_layers(count, stream);
       const PredictedLobes before = network.predict(layers);
@@ -111,7 +111,7 @@ TEST(SpongecakeNetwork, GivesGreyStacksGreyLobesAndExchangesChannels) {
 
 TEST(SpongecakeNetwork, KnowsNoTurnsAboutTheNormalAndNoSignsOfAxes) {
   RandomStream stream(3, 0, StreamPurpose::test);
-  for (const int count : {1})
+  for (const int count : {1, 2})
     for (int n = 0; n < 50; ++n) {
       const std::vector<NetworkLayer> layers = random_layers(count, stream);
       std::vector<NetworkLayer> other = layers;
@@ -120,14 +120,14 @@ TEST(SpongecakeNetwork, KnowsNoTurnsAboutTheNormalAndNoSignsOfAxes) {
         layer.axis = direction_from_mu_phi(layer.axis.z, azimuth(layer.axis) + turn);
         if (stream.uniform() < 0.5) layer.axis = -layer.axis;
       }
-      const SpongecakeNetwork& network = spongecake_network();
+      const SpongecakeNetwork& network = spongecake_network(count);
       expect_near(network.predict(other), network.predict(layers), count, kRounding);
     }
 }
 
 // The file beside the weights has what PyTorch predicts for some stacks.
 TEST(SpongecakeNetwork, EqualsThatOfTheTrainingScript) {
-  for (const int count : {1}) {
+  for (const int count : {1, 2}) {
     std::ifstream in(std::string(LAMELLA_NETWORK_FOLDER) + "/spongecake_" + std::to_string(count) +
                      ".json");
     const auto made = nlohmann::json::parse(in);
@@ -158,14 +158,14 @@ TEST(SpongecakeNetwork, EqualsThatOfTheTrainingScript) {
         expected.reflect[c] = example.at("constant").at(c).at(0);
         expected.transmit[c] = example.at("constant").at(c).at(1);
       }
-      expect_near(spongecake_network().predict(layers), expected, count, 2e-3);
+      expect_near(spongecake_network(count).predict(layers), expected, count, 2e-3);
     }
   }
 }
 
 TEST(SpongecakeNetwork, RefusesFilesThatAreNone) {
-  for (const int count : {1}) {
-    const std::string whole(spongecake_weights());
+  for (const int count : {1, 2}) {
+    const std::string whole(spongecake_weights(count));
     EXPECT_LT(whole.size(), 500000u);
     EXPECT_EQ(SpongecakeNetwork(whole).layers(), count);
     for (const std::size_t size : {std::size_t{0}, std::size_t{3}, std::size_t{4}, std::size_t{15},
@@ -181,8 +181,12 @@ TEST(SpongecakeNetwork, RefusesFilesThatAreNone) {
       EXPECT_THROW((void)SpongecakeNetwork(damaged), std::invalid_argument) << at;
     }
   }
-  EXPECT_THROW((void)spongecake_network().predict(std::vector<NetworkLayer>(2)),
+  EXPECT_THROW((void)spongecake_network(1).predict(std::vector<NetworkLayer>(2)),
                std::invalid_argument);
+  EXPECT_THROW((void)spongecake_network(2).predict(std::vector<NetworkLayer>(1)),
+               std::invalid_argument);
+  EXPECT_THROW((void)spongecake_network(0), std::invalid_argument);
+  EXPECT_THROW((void)spongecake_network(3), std::invalid_argument);
 }
 
 }  // namespace
