@@ -97,6 +97,10 @@ void measure_thinning(const BenchmarkEffort& effort, std::uint64_t seed, const R
 /// to time x variance, with 1e4 walks and more; one thread.
 void measure_sampling(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// What order 1 in closed form does to time x variance of all orders, cells and energies, of 1e6
+/// walks; the closed form's time is part of it; one thread.
+void measure_order_one(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
+
 /// What weighing the analog and the next-event estimator against each other in every cell could
 /// save at best, one thread.
 void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,

@@ -81,6 +81,8 @@ void measure_walk(const BenchmarkStack& which, const Task& task, const Benchmark
       {"baseline_collisions_per_second",
        textbook_collisions / std::accumulate(times.second.begin(), times.second.end(), 0.0)},
       {"cycles_per_collision", core_frequency() * times.total_first() / collisions}};
+  if (task.points > 0)
+    row.extra["directions_per_second"] = task.points * row.collisions_per_second_per_core.value();
   if (const auto use = simulation->lane_use()) {
     row.extra["lane_occupancy"] = use->occupancy;
     row.extra["null_collisions"] = use->null;

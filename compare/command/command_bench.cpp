@@ -29,6 +29,13 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("variance_ratio"))
     note +=
         fmt::format("; cell variance {:.2f} of it", 1 / row.extra["variance_ratio"].get<double>());
+  if (row.extra.contains("ratio_to_random"))
+    note += fmt::format("; {:.2f} of random walks; closed form {:.1f} ms",
+                        row.extra["ratio_to_random"].get<double>(),
+                        1e3 * row.extra["closed_seconds"].get<double>());
+  if (row.extra.contains("directions_per_second"))
+    note += fmt::format(", {:.0f} M directions a second",
+                        1e-6 * row.extra["directions_per_second"].get<double>());
   if (row.extra.contains("cycles_per_collision"))
     note += fmt::format("; {:.3g} cycles per collision",
                         row.extra["cycles_per_collision"].get<double>());
@@ -116,22 +123,16 @@ void measure_walks_and_coats(const BenchmarkEffort& effort, std::uint64_t seed,
   measure_coats(effort, seed, report);
 }
 const std::vector<BenchPart>& parts() {
-  static const std::vector<BenchPart> list{{"walks", measure_walks_and_coats},
-                                           {"samples", measure_samples},
-                                           {"mixed", measure_mixed},
-                                           {"plan", measure_plan},
-                                           {"threads", measure_threads},
-                                           {"accuracy", measure_accuracy},
-                                           {"roulette", measure_roulette},
-                                           {"thinning", measure_thinning},
-                                           {"sampling", measure_sampling},
-                                           {"combined", measure_combination},
-                                           {"growth", measure_growth_of_walks},
-                                           {"solver", measure_deterministic},
-                                           {"grids", measure_grids},
-                                           {"models", measure_models},
-                                           {"tradeoff", measure_tradeoff},
-                                           {"grains", measure_grain_tracing}};
+  static const std::vector<BenchPart> list{
+      {"walks", measure_walks_and_coats}, {"samples", measure_samples},
+      {"mixed", measure_mixed},           {"plan", measure_plan},
+      {"threads", measure_threads},       {"accuracy", measure_accuracy},
+      {"roulette", measure_roulette},     {"thinning", measure_thinning},
+      {"sampling", measure_sampling},     {"order1", measure_order_one},
+      {"combined", measure_combination},  {"growth", measure_growth_of_walks},
+      {"solver", measure_deterministic},  {"grids", measure_grids},
+      {"models", measure_models},         {"tradeoff", measure_tradeoff},
+      {"grains", measure_grain_tracing}};
   return list;
 }
 

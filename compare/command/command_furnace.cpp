@@ -165,6 +165,8 @@ CommandAnswer stack_furnace(const Options& options, TruthRequest request, const 
                             std::FILE* out) {
   const InputFiles inputs(request.stack);
   request.cells = kFurnaceGrid;
+  // What walks bring back is what is judged, so their books must be their own.
+  request.limits.order_one = OrderOne::walked;
   const Stack& stack = request.stack;
   GroundTruth truth(request, Estimator::next_event, monitor);
   const Plan& plan = truth.plan();

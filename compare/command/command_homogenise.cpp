@@ -97,7 +97,9 @@ int homogenise_command(const Options& options) {
         stack.name));
   const std::vector<double> factors = factors_of(options);
   if (!options.output.empty()) check_output_file(options.output);
-  const TruthRequest request = truth_request(options, stack);
+  TruthRequest request = truth_request(options, stack);
+  // Two simulations are compared, and a grid has no closed order 1.
+  request.limits.order_one = OrderOne::walked;
   const InputFiles inputs(stack);
   const Plan plan = make_plan(stack, request.limits);
   for (const std::string& warning : plan.warnings) terminal_monitor(options).warn(warning);

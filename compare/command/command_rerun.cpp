@@ -95,6 +95,13 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   request.limits.sampling = image.attributes.contains("lamella.sampling")
                                 ? parse_sampling(text("sampling"))
                                 : Sampling::random;
+  // Before order 1 could be exact it was walked.
+  request.limits.order_one = OrderOne::walked;
+  if (image.attributes.contains("lamella.order_1")) {
+    const auto order_one = order_one_from(text("order_1"));
+    if (!order_one) throw broken("order_1");
+    request.limits.order_one = *order_one;
+  }
   request.isa = parse_isa(text("isa"));
   request.estimator = estimator("estimator_asked");
   const std::optional<Estimator> used = estimator("estimator");

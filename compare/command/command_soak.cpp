@@ -70,6 +70,7 @@ Options walk_options(const Options& options, std::uint64_t walks) {
   of_walks.walk_settings = {WalkSetting::walks};
   of_walks.estimator = to_text(Estimator::analog);
   of_walks.grid = "8x16";
+  of_walks.walk_order_1 = true;  // it is what is tested
   return of_walks;
 }
 

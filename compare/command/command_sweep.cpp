@@ -83,6 +83,7 @@ Json settings_of(const Options& options, const Stack& stack, const std::vector<S
   settings["max_order"] = options.max_order ? Json(*options.max_order) : Json();
   settings["thin_from"] = options.thin_from ? Json(*options.thin_from) : Json();
   settings["sampling"] = options.sampling;
+  settings["walk_order_1"] = options.walk_order_1;
   settings["target_error"] = options.target_error ? Json(*options.target_error) : Json();
   settings["time"] = options.seconds ? Json(*options.seconds) : Json();
   settings["max_error"] = options.max_error ? Json(*options.max_error) : Json();

@@ -214,6 +214,9 @@ void add_walk_limits(CLI::App& command, CommandLine& line, bool counted) {
           "that pays, see explain)")
       ->transform(power_of_two_or_none())
       ->type_name("K");
+  command.add_flag("--walk-order-1", line.options.walk_order_1,
+                   "All orders by walks; else order 1 is exact where it has a closed form that "
+                   "takes less time than the walks, which count it as a check (explain says)");
   if (!counted) return;
   command
       .add_option("--sampling", line.options.sampling,

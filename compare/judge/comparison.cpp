@@ -144,6 +144,22 @@ double p_value_of(const BatchSums& sums, const std::vector<double>& model,
   return std::min(1.0, 3 * std::min({broad, local, whole}));
 }
 
+// Order 1 in closed form beside walks of the others.
+struct ExactFirst {
+  const LobeEstimate& lobe;
+
+  [[nodiscard]] std::vector<double> taken_from(const std::vector<double>& model) const {
+    std::vector<double> rest = model;
+    for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= lobe.value[k];
+    return rest;
+  }
+  // What is known of the difference: the closed form's bound, and the projection of this part.
+  void add_bounds(std::vector<double>& bounds) const {
+    for (std::size_t k = 0; k < bounds.size(); ++k)
+      bounds[k] += lobe.standard_error[k] + kProjectionTolerance * std::abs(lobe.value[k]);
+  }
+};
+
 // Whether each cell of the model is as near to the truth as the truth's bound and what is known of
 // the projection allow.
 bool is_within_bounds(const LobeComparison& l) {
@@ -202,7 +218,7 @@ double LobeComparison::open_share() const {
   return open == 0 ? 0 : all > 0 ? open / all : std::numeric_limits<double>::infinity();
 }
 
-std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
+std::vector<LobeComparison> compare(const RunResult& run, const Simulation* simulation,
                                     const ProjectedLobes& model, bool reflected) {
   std::vector<LobeComparison> lobes;
   const SideResult& side = reflected ? run.reflected : run.transmitted;
@@ -212,6 +228,11 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     // Without rough interfaces there is no lobe of order 0 to compare with.
     if (!model.has[o] || side.lobes[o].value.empty()) continue;
     LobeComparison l;
+    const Simulation* batches = run.is_bounded(static_cast<Order>(o)) ? nullptr : simulation;
+    std::optional<ExactFirst> first;
+    if (batches && run.order_one == OrderOne::exact &&
+        (o == place(Order::all) || o == place(Order::scattered)))
+      first.emplace(ExactFirst{side.lobes[Order::one]});
     l.wi = run.incident;
     l.reflected = reflected;
     l.order = static_cast<Order>(o);
@@ -226,12 +247,19 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
     const std::size_t cells = run.grid.cells(), n = l.truth.size();
     std::vector<int> channel_of(n);
     for (std::size_t k = 0; k < n; ++k) channel_of[k] = static_cast<int>(k / cells);
-    BatchSums sums =
-        batches ? lobe_sums(*batches, up, o, single_cells(run.grid, run.channels)) : BatchSums{};
-    const Means energy = batches
-                             ? means_of(grouped(sums, channel_of, run.channels))
-                             : Means{grouped_values(l.truth, channel_of, run.channels),
-                                     grouped_values(l.standard_error, channel_of, run.channels)};
+    BatchSums sums = batches ? lobe_sums(*batches, up, o, single_cells(run.grid, run.channels),
+                                         first ? place(Order::two) : place(Order::one))
+                             : BatchSums{};
+    Means energy = batches ? means_of(grouped(sums, channel_of, run.channels))
+                           : Means{grouped_values(l.truth, channel_of, run.channels),
+                                   grouped_values(l.standard_error, channel_of, run.channels)};
+    if (first) {
+      const LobeEstimate& known = first->lobe;
+      for (std::size_t k = 0; k < n; ++k) {
+        energy.value[channel_of[k]] += known.value[k];
+        energy.standard_error[channel_of[k]] += known.standard_error[k];
+      }
+    }
     const std::vector<double> model_energy = grouped_values(l.model, channel_of, run.channels);
     l.energy_missing = missing_energy(run, l.order);
     std::vector<double> budget;  // of the cells' sums
@@ -277,7 +305,9 @@ std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batc
       std::vector<double> bounds = batches ? std::vector<double>(n) : l.standard_error;
       for (std::size_t k = 0; k < l.projection_error.size(); ++k)
         bounds[k] += l.projection_error[k];
-      l.p_value = p_value_of(sums, l.model, bounds, budget, run.grid, run.channels);
+      if (first) first->add_bounds(bounds);
+      l.p_value = p_value_of(sums, first ? first->taken_from(l.model) : l.model, bounds, budget,
+                             run.grid, run.channels);
     } else {
       l.p_value = is_within_bounds(l) ? 1 : 0;
     }

@@ -52,16 +52,18 @@ struct LobeComparison {
 };
 
 /// Compares a projected model with every lobe it stands for and the lobe "all" of one run, of which
-/// `batches` holds the walks. Without batches the run has error bounds: the p-value is 1 where
-/// every cell of the model is within the bound and its own projection error, else 0, and there is
-/// no noise to remove. A stochastic model's noise is removed like the truth's, and counts in the
-/// p-value with its covariance over cells; against bounds the p-value is then a test's, each cell
-/// known to its bound. Where walks were cut the hypothesis is that model and truth are the same
-/// wherever the missing light belongs: means that are too low by no more than the missing light do
-/// not count, and Hotelling's test, which is not one-sided, gives way to the largest deviation of a
-/// patch or of the whole lobe. Verdicts are left at `agrees` until `decide` has seen all
-/// comparisons of a report.
-[[nodiscard]] std::vector<LobeComparison> compare(const RunResult& run, const Simulation* batches,
+/// `simulation` holds the walks. Where order 1 is exact its lobe has error bounds, and the lobes
+/// with it are tested by what walks have of them, against the model less order 1. Without a
+/// simulation the run has error bounds: the p-value is 1 where every cell of the model is within
+/// the bound and its own projection error, else 0, and there is no noise to remove. A stochastic
+/// model's noise is removed like the truth's, and counts in the p-value with its covariance over
+/// cells; against bounds the p-value is then a test's, each cell known to its bound. Where walks
+/// were cut the hypothesis is that model and truth are the same wherever the missing light belongs:
+/// means that are too low by no more than the missing light do not count, and Hotelling's test,
+/// which is not one-sided, gives way to the largest deviation of a patch or of the whole lobe.
+/// Verdicts are left at `agrees` until `decide` has seen all comparisons of a report.
+[[nodiscard]] std::vector<LobeComparison> compare(const RunResult& run,
+                                                  const Simulation* simulation,
                                                   const ProjectedLobes& model, bool reflected);
 
 /// Probability that a report with only true models calls one of them different.

@@ -25,7 +25,8 @@ CellGroups cell_patches(const CellGrid& grid, int channels) {
   return groups;
 }
 
-BatchSums lobe_sums(const Simulation& simulation, bool up, int order, const CellGroups& groups) {
+BatchSums lobe_sums(const Simulation& simulation, bool up, int order, const CellGroups& groups,
+                    int first) {
   const CellTargets& targets = simulation.targets();
   const int channels = simulation.plan().channels, cells = targets.grid.cells();
   const int count = targets.count();
@@ -38,7 +39,7 @@ BatchSums lobe_sums(const Simulation& simulation, bool up, int order, const Cell
     const int slots = order == place(Order::scattered) || multiple
                           ? kTallyOrders
                           : simulation.plan().order_slots();
-    for (int o = multiple ? place(Order::two) : 0; o < slots; ++o) {
+    for (int o = multiple ? place(Order::two) : summed ? first : 0; o < slots; ++o) {
       if (!summed && o != (order == place(Order::zero) ? kZeroSlot : order)) continue;
       for (int c = 0; c < channels; ++c)
         for (int cell = 0; cell < cells; ++cell)

@@ -24,8 +24,8 @@ struct CellGroups {
 [[nodiscard]] CellGroups cell_patches(const CellGrid& grid, int channels);
 
 /// Per batch, the sums of one lobe over groups of its cells. `up`: the side; `order`: as in
-/// SideResult::lobes.
+/// SideResult::lobes; `first`: the first slot that lobes of several orders have.
 [[nodiscard]] BatchSums lobe_sums(const Simulation& simulation, bool up, int order,
-                                  const CellGroups& groups);
+                                  const CellGroups& groups, int first = 0);
 
 }  // namespace lamella

@@ -23,7 +23,8 @@ std::string verdict_text(const LobeComparison& lobe) {
 std::string verdict_legend(const std::vector<const LobeComparison*>& lobes,
                            std::uint64_t max_order) {
   if (lobes.empty()) return {};
-  const bool bounded = lobes.front()->bounded;
+  const bool bounded =
+      std::all_of(lobes.begin(), lobes.end(), [](const auto* l) { return l->bounded; });
   const char* const unknown = bounded ? "bound" : "noise";
   std::string text = fmt::format(
       "\ntruth, model: energies of the lobe; rel. RMSE: of the cells, over the root mean square of "

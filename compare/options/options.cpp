@@ -142,6 +142,7 @@ TruthRequest truth_request(const Options& options, const Stack& stack) {
   request.limits.max_order = options.max_order;
   if (options.thin_from) request.limits.thinning = Thinning{*options.thin_from};
   request.limits.sampling = parse_sampling(options.sampling);
+  if (options.walk_order_1) request.limits.order_one = OrderOne::walked;
   request.given = options.walk_settings;
   request.tolerance = options.tolerance;
   request.seed = options.seed;

@@ -23,6 +23,7 @@ struct Options {
   std::optional<std::uint64_t> max_order{};  ///< of walks; else as the plan chooses
   std::optional<std::uint32_t> thin_from{};  ///< Thinning::first of walks; else as the plan chooses
   std::string sampling = "rqmc";             ///< of walks on lanes, rqmc or random
+  bool walk_order_1 = false;                 ///< all orders by walks
   std::vector<WalkSetting> walk_settings{};  ///< which of the five above were given
   double tolerance = 1e-4;                   ///< of the deterministic solver
   std::string grid = "16x32";

@@ -27,6 +27,7 @@ void each_setting(Io& io, AnyOptions& o) {
   io("max_order", o.max_order);
   io("thin_from", o.thin_from);
   io("sampling", o.sampling);
+  io("walk_order_1", o.walk_order_1);
   io("walk_options", o.walk_settings);
   io("tolerance", o.tolerance);
   io("grid", o.grid);

@@ -99,6 +99,8 @@ Options options_of(const py::dict& keywords) {
       if ((from & (from - 1)) != 0)
         refuse("--thin-from", value, fmt::format("0, or a power of two up to {}", 1 << 20));
       options.thin_from = static_cast<std::uint32_t>(from);
+    } else if (name == "walk_order_1") {
+      options.walk_order_1 = py::cast<bool>(value);
     } else if (name == "sampling") {
       options.sampling = to_text(parse_sampling(text_of(value)));
     } else if (name == "tolerance") {

@@ -184,6 +184,11 @@ Json to_json(const RunResult& run) {
   if (!run.is_bounded()) {
     out["max_order"] = run.max_order;
     out["sampling"] = to_text(run.sampling);
+    out["order_1"] = to_text(run.order_one);
+  }
+  if (run.order_one == OrderOne::exact) {
+    out["order_1_p_value"] = run.order_one_p_value;
+    out["replaced"] = values_of(run.replaced, run.channels);
   }
   if (run.thinning.is_on()) {
     out["thinned_from"] = run.thinning.first;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "compare/drawing/lobe_picture.h"
@@ -44,11 +45,21 @@ ExrImage empty_image(const TruthRequest& request, const std::vector<RunResult>& 
   return image;
 }
 
+// exact if it is that for any direction: the numbers of walks then tell for which.
+OrderOne order_one_of(const std::vector<RunResult>& runs) {
+  return std::any_of(runs.begin(), runs.end(),
+                     [](const RunResult& run) { return run.order_one == OrderOne::exact; })
+             ? OrderOne::exact
+             : OrderOne::walked;
+}
+
 // What the channels named se hold, and of the solver how far it got.
 void add_error_attributes(std::map<std::string, std::string>& attributes,
                           const std::vector<RunResult>& runs, double tolerance) {
   if (!runs[0].is_bounded()) {
-    attributes["lamella.se"] = "standard error";
+    attributes["lamella.se"] = order_one_of(runs) == OrderOne::exact
+                                   ? "standard error; of order 1 an error bound"
+                                   : "standard error";
     return;
   }
   attributes["lamella.se"] = "error bound of the deterministic solver";
@@ -98,7 +109,10 @@ std::map<std::string, std::string> file_attributes(const TruthRequest& request,
        "degrees); se: what lamella.se says"}};
   if (!request.texels.empty())
     attributes["lamella.texels"] = fmt::format("{}", request.texels.size());
-  if (!runs[0].is_bounded()) attributes["lamella.sampling"] = to_text(runs[0].sampling);
+  if (!runs[0].is_bounded()) {
+    attributes["lamella.sampling"] = to_text(runs[0].sampling);
+    attributes["lamella.order_1"] = to_text(order_one_of(runs));
+  }
   add_error_attributes(attributes, runs, request.tolerance);
   return attributes;
 }

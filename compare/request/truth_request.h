@@ -36,8 +36,9 @@ struct TruthRequest {
   /// Walks per incident direction and what ends them earlier; `seconds` of the solver: in all.
   /// Where `given` names none of these settings the clock ends walks, too (first_look.h).
   StopRule effort{.walks = 1000000, .target_error = {}, .seconds = {}};
-  /// Where walks are cut and thinned, empty: as the plan chooses; and which numbers they take.
-  WalkLimits limits{.sampling = Sampling::rqmc};
+  /// Where walks are cut and thinned, empty: as the plan chooses; which numbers they take, and
+  /// whether order 1 is exact.
+  WalkLimits limits{.sampling = Sampling::rqmc, .order_one = OrderOne::exact};
   /// The settings above that were asked for by name; if the estimator is left open, each of them is
   /// a reason for walks.
   std::vector<WalkSetting> given{};

@@ -15,6 +15,7 @@
 #include "phase/math/larger_error.h"
 #include "volume/result/number_bytes.h"
 #include "volume/result/run_bytes.h"
+#include "volume/run/first_check.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic_run.h"
 
@@ -43,6 +44,14 @@ double worst_bound(const std::vector<RunResult>& solved) {
 
 }  // namespace
 
+std::optional<std::string> why_order_one_is_wrong(const RunResult& run) {
+  if (!(run.order_one_p_value < kImplausibleFirst)) return std::nullopt;
+  return fmt::format(
+      "order 1 of {} walks from theta_i {:g} is none that the closed form gives (p = {:.1e}): one "
+      "of them is at fault, please report it; --walk-order-1 counts all orders",
+      run.walks, theta_degrees(run.incident), run.order_one_p_value);
+}
+
 RunResult run_walks(Simulation& simulation, const StopRule& rule, const std::string& label,
                     const RunMonitor& monitor) {
   std::function<void(const Progress&)> progress;
@@ -51,6 +60,8 @@ RunResult run_walks(Simulation& simulation, const StopRule& rule, const std::str
   if (monitor.finished) monitor.finished();
   RunResult result = reduce(simulation);
   result.seconds = seconds;
+  if (const auto reason = why_order_one_is_wrong(result))
+    refuse_answer(simulation.stack(), *reason);
   if (rule.target_error && result.walks >= rule.walks && !monitor.is_stopped()) {
     const double reached = largest_relative_error(simulation);
     if (reached > *rule.target_error)

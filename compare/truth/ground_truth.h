@@ -70,7 +70,11 @@ class GroundTruth {
   FirstLook look_;
 };
 
-/// Runs walks until the rule says stop and reduces them. `label`: of the run, for the monitor,
+/// Why a result whose order 1 is exact is at fault: the walks' own order 1 has another mean.
+[[nodiscard]] std::optional<std::string> why_order_one_is_wrong(const RunResult& run);
+
+/// Runs walks until the rule says stop and reduces them. Throws NoAnswerError where
+/// why_order_one_is_wrong. `label`: of the run, for the monitor,
 /// which is warned where the walks ran out before the target error was reached.
 [[nodiscard]] RunResult run_walks(Simulation& simulation, const StopRule& rule,
                                   const std::string& label, const RunMonitor& monitor);

@@ -11,6 +11,7 @@
 
 #include "compare/request/run_keeper.h"
 #include "volume/result/number_bytes.h"
+#include "volume/solver/closed_first.h"
 #include "volume/solver/closed_orders.h"
 
 namespace lamella {
@@ -36,18 +37,22 @@ std::vector<TruthValue> values_of(const Simulation& simulation, const std::vecto
                                    [&](const BatchTally& b) { return b.energy.unresolved[c]; });
   const std::size_t count = points.size();
   std::vector<TruthValue> values(count);
+  const bool exact = plan.order_one == OrderOne::exact && !why_no_closed_first(simulation.stack());
+  const int first = exact ? place(Order::two) : place(Order::one);
   for (std::size_t j = 0; j < count; ++j) {
     TruthValue& value = values[j];
     value.walks = simulation.walks();
+    const Rgb one =
+        exact ? closed_orders(simulation.stack(), simulation.incident(), points[j].wo).one : Rgb();
     for (int c = 0; c < 3; ++c) {
       const int channel = std::min(c, plan.channels - 1);
       const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
         double sum = 0;
-        for (int o = 0; o < plan.order_slots(); ++o)
+        for (int o = first; o < plan.order_slots(); ++o)
           sum += b.f[(static_cast<std::size_t>(o) * plan.channels + channel) * count + j];
         return sum;
       });
-      value.f[c] = points[j].factor * e.value;
+      value.f[c] = points[j].factor * (one[channel] + e.value);
       value.standard_error[c] = points[j].factor * e.standard_error;
       value.unresolved[c] = {points[j].factor * unresolved[channel].value,
                              points[j].factor * unresolved[channel].standard_error};

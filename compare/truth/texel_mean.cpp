@@ -13,6 +13,8 @@ Plan plan_of_texel(const TruthRequest& request, const Stack& texel) {
   TruthRequest of_texel;
   of_texel.stack = texel;
   of_texel.limits = request.limits;
+  // The batches of all texels are summed: no closed form is that of their sum.
+  of_texel.limits.order_one = OrderOne::walked;
   of_texel.isa = request.isa;
   return plan_of(of_texel);
 }

@@ -12,6 +12,7 @@ namespace lamella {
 ///   visible_normal(wi, stream): normal with density D(m) <w_i, m> / sigma(w_i).
 ///   diffuse_phase(wi, wo): integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)).
 ///   mirror_phase(wi, wo): D(h) / (4 sigma(w_i)); largest_mirror_phase(): its upper bound.
+///   mirror_lobe(wi): the same for many w_o, by h = w_i + w_o and |h|^2 > 0.
 ///   mean_normal(): integral of m D(m) dm. is_two_sided(): D(m) = D(-m).
 template <class N>
 concept NormalDistribution = std::equality_comparable<N> &&
@@ -21,6 +22,7 @@ concept NormalDistribution = std::equality_comparable<N> &&
   { ndf.visible_normal(w, stream) } -> std::same_as<Direction>;
   { ndf.diffuse_phase(w, w) } -> std::same_as<double>;
   { ndf.mirror_phase(w, w) } -> std::same_as<double>;
+  { ndf.mirror_lobe(w)(w, 1.0) } -> std::same_as<double>;
   { ndf.is_delta() } -> std::same_as<bool>;
   { ndf.is_two_sided() } -> std::same_as<bool>;
   { ndf.is_symmetric_about_z() } -> std::same_as<bool>;
@@ -56,9 +58,23 @@ template <class Ndf>
 struct MirrorFlakes {
   Ndf ndf;
 
+  /// The event's density with what does not depend on w_o done once.
+  struct Lobe {
+    decltype(std::declval<const Ndf&>().mirror_lobe(Direction())) density_along;
+    Direction wi;
+
+    [[nodiscard]] PhaseValue density(Direction wo) const {
+      const Direction h = half_vector(wi, wo);
+      return {density_along(h, dot(h, h)), half_angle_schlick(wi, wo)};
+    }
+  };
+
   struct Event {
     const Ndf& ndf;
     Direction wi;
+
+    /// For many directions: density() within a few roundings.
+    [[nodiscard]] Lobe lobe() const { return {ndf.mirror_lobe(wi), wi}; }
 
     [[nodiscard]] PhaseValue density(Direction wo) const {
       return {ndf.mirror_phase(wi, wo), half_angle_schlick(wi, wo)};

@@ -30,6 +30,15 @@ concept ScatteringEvent = requires(const E event, Direction wo, RandomStream& st
   { event.sample(stream) } -> std::same_as<Scatter>;
 };
 
+/// An event whose density is asked for along many directions: itself, or what it prepares for that.
+template <ScatteringEvent E>
+[[nodiscard]] decltype(auto) lobe_of(const E& event) {
+  if constexpr (requires { event.lobe(); })
+    return event.lobe();
+  else
+    return (event);
+}
+
 /// What every medium offers.
 ///   sigma(w): projected area per unit of density that faces w, dimensionless.
 ///   phase(wi, wo): p(w_i -> w_o) [1/sr], exact (closed form or quadrature); integral over w_o

@@ -37,6 +37,8 @@ std::array<double, 6> two_eigenvalues(double along, double across, Direction n) 
 
 Sggx::Sggx(const std::array<double, 6>& s)
     : a_(cholesky(s).value()),
+      inverse_(a_.inverse()),
+      mirror_scale_(1 / (4 * kPi * a_.determinant())),
       axial_(axial_form(s)),
       symmetric_about_z_(s[0] == s[1] && s[3] == 0 && s[4] == 0 && s[5] == 0) {}
 

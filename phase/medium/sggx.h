@@ -30,6 +30,19 @@ class Sggx {
   }
   /// D(h) / (4 sigma(w_i)), h the half vector (its limit in the vertical plane at w_o = -w_i).
   [[nodiscard]] double mirror_phase(Direction wi, Direction wo) const;
+  /// The same by h = w_i + w_o and |h|^2, for many w_o.
+  struct MirrorLobe {
+    const SggxMatrix<double>& inverse;  ///< A^-1
+    double scale;                       ///< 1 / (4 pi sqrt(det S) sigma(w_i))
+
+    [[nodiscard]] double operator()(Direction h, double h2) const {
+      const Direction u = inverse.apply(h);
+      return scale * normal_density_of(h2, dot(u, u));
+    }
+  };
+  [[nodiscard]] MirrorLobe mirror_lobe(Direction wi) const {
+    return {inverse_, mirror_scale_ / sigma(wi)};
+  }
   /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): about the axis, the azimuth in closed
   /// form, where S has a double eigenvalue (relative error below 1e-8, 1e-6 at alpha 0.001); else
   /// over the lune that both directions see, far slower (1e-7 down to alpha 0.5, not tested below).
@@ -59,7 +72,8 @@ class Sggx {
   [[nodiscard]] static std::optional<Axial> axial_form(const std::array<double, 6>& s);
   [[nodiscard]] double diffuse_phase_about_axis(Direction wi, Direction wo) const;
 
-  SggxMatrix<double> a_{};
+  SggxMatrix<double> a_{}, inverse_{};
+  double mirror_scale_ = 0;  // 1 / (4 pi sqrt(det S))
   std::optional<Axial> axial_;
   bool symmetric_about_z_ = false;
 };

@@ -16,6 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Below this log sigma no light ever meets a flake, and D / sigma is rounding: p is taken as 0.
 constexpr double kNothing = -1e10;
+// A projected area below which ratios are taken in log space.
+constexpr double kUnderflow = 1e-20;
 // Flakes narrower than this show their likeliest normal only; a quadrature would meet rounding.
 constexpr double kNarrow = 1e-5;
 
@@ -160,11 +162,16 @@ double Vmf::density_of(Direction h) const {
   return vmf_density(kappa_, std::min(dot(h, axis_) / length(h), 1.0));
 }
 
+Vmf::MirrorLobe Vmf::mirror_lobe(Direction wi) const {
+  const double area = is_delta() ? 0 : sigma(wi);
+  return {*this, wi, area > kUnderflow ? vmf_density(kappa_, 1) / (4 * area) : 0};
+}
+
 double Vmf::mirror_phase(Direction wi, Direction wo) const {
   if (is_delta()) return 0;
   const Direction h = half_vector(wi, wo);
   const double area = sigma(wi);
-  if (area > 1e-20) return density_of(h) / (4 * area);
+  if (area > kUnderflow) return density_of(h) / (4 * area);
   const double u = std::clamp(dot(wi, axis_), -1.0, 1.0);
   const double log_sigma = log_vmf_sigma(u, alpha_);
   if (log_sigma < kNothing) return 0;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "phase/math/sampling.h"
@@ -55,6 +57,19 @@ class Vmf {
 
   /// D(h) / (4 sigma(w_i)), in log space where both underflow; 0 where sigma < exp(-1e10).
   [[nodiscard]] double mirror_phase(Direction wi, Direction wo) const;
+  /// The same by h = w_i + w_o and |h|^2, for many w_o.
+  struct MirrorLobe {
+    const Vmf& ndf;
+    Direction wi;
+    double scale;  ///< D at the axis over 4 sigma(w_i); 0: in log space
+
+    [[nodiscard]] double operator()(Direction h, double h2) const {
+      if (!(scale > 0)) return ndf.mirror_phase(wi, h - wi);
+      const double cosine = dot(h, ndf.axis_) / std::sqrt(h2);
+      return scale * std::exp(ndf.kappa_ * (std::min(cosine, 1.0) - 1));
+    }
+  };
+  [[nodiscard]] MirrorLobe mirror_lobe(Direction wi) const;
   /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): quadrature by panels over the cosine
   /// with the mean normal, the azimuth in closed form. Relative error below 1e-7 + 1e-15 kappa, as
   /// cosines near 1 round; for alpha < 1e-5 the cosine with the likeliest visible normal instead,

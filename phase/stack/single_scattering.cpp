@@ -30,14 +30,13 @@ class PerLayer {
   double* data_ = few_.data();
 };
 
-// take(k, g, s): layer k has the light g albedo (f0 + (1 - f0) s). Returns what passes all layers
-// twice.
+// take(k, t): layer k has the light t p albedo (f0 + (1 - f0) s), p and s the density and the
+// Schlick weight of its phase function. Returns what passes all layers twice.
+// mu of w_i and w_o: not 0.
 template <class Take>
 double visit_layers(const Stack& stack, Direction wi, Direction wo, const Take& take) {
   if (stack.has_grid()) refuse_grid(stack, "single scattering in closed form");
   stack.require_layers("single scattering");
-  wi = with_grazing_limit(wi);
-  wo = with_grazing_limit(wo);
   const bool reflects = (wi.z < 0) == (wo.z < 0);
   const bool from_above = wi.z > 0;
   const double mi = std::abs(wi.z), mo = std::abs(wo.z);
@@ -80,10 +79,7 @@ double visit_layers(const Stack& stack, Direction wi, Direction wo, const Take& 
                     (x < 1 ? depth * si / (mi * mo) * mean_decay(x)
                            : si * -std::expm1(-x) / std::abs(si * mo - so * mi));
       }
-      if (transport > 0) {
-        const PhaseValue p = phase(layer.medium, wi, wo);
-        take(k, transport * std::exp(-outside) * p.density, p.schlick);
-      }
+      if (transport > 0) take(k, transport * std::exp(-outside));
     }
     tau_i += xi;
     tau_o += xo;
@@ -95,9 +91,12 @@ double visit_layers(const Stack& stack, Direction wi, Direction wo, const Take& 
 
 SingleScattering single_scattering(const Stack& stack, Direction wi, Direction wo) {
   SingleScattering result;
-  const double twice = visit_layers(stack, wi, wo, [&](int k, double g, double s) {
+  wi = with_grazing_limit(wi);
+  wo = with_grazing_limit(wo);
+  const double twice = visit_layers(stack, wi, wo, [&](int k, double transport) {
     const Layer& layer = stack.layers[k];
-    result.layers += g * (layer.albedo * schlick(layer.f0, s));
+    const PhaseValue p = phase(layer.medium, wi, wo);
+    result.layers += transport * p.density * (layer.albedo * schlick(layer.f0, p.schlick));
   });
   if (stack.substrate && twice > 0)
     result.substrate = lambert_radiance(twice) * stack.substrate->albedo;
@@ -107,7 +106,20 @@ SingleScattering single_scattering(const Stack& stack, Direction wi, Direction w
 void single_scattering_by_layer(const Stack& stack, Direction wi, Direction wo,
                                 std::span<LayerSingle> layers) {
   std::fill(layers.begin(), layers.end(), LayerSingle{});
-  visit_layers(stack, wi, wo, [&](int k, double g, double s) { layers[k] = {g, g * s}; });
+  wi = with_grazing_limit(wi);
+  wo = with_grazing_limit(wo);
+  visit_layers(stack, wi, wo, [&](int k, double transport) {
+    const PhaseValue p = phase(stack.layers[k].medium, wi, wo);
+    const double g = transport * p.density;
+    layers[k] = {g, g * p.schlick};
+  });
+}
+
+double single_scattering_transport(const Stack& stack, Direction wi, Direction wo,
+                                   std::span<double> layers) {
+  std::fill(layers.begin(), layers.end(), 0.0);
+  return visit_layers(stack, with_grazing_limit(wi), with_grazing_limit(wo),
+                      [&](int k, double transport) { layers[k] = transport; });
 }
 
 }  // namespace lamella

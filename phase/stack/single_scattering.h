@@ -37,4 +37,10 @@ struct LayerSingle {
 void single_scattering_by_layer(const Stack& stack, Direction wi, Direction wo,
                                 std::span<LayerSingle> layers);
 
+/// The layers' parts of single_scattering at albedo 1 without their phase functions p(w_i -> w_o),
+/// into `layers`, one per layer of the stack [dimensionless]. Returns the share of the light that
+/// passes all layers on the way down and up again; 0 of transmission.
+double single_scattering_transport(const Stack& stack, Direction wi, Direction wo,
+                                   std::span<double> layers);
+
 }  // namespace lamella

@@ -197,6 +197,33 @@ class Furnaces(ProgramTest):
         self.assertIn("thinned: after 16 events", self.lamella("explain", "lambert_sphere_white").out)
         self.assertNotIn("thinned", self.lamella("explain", "sggx_slab").out)
 
+    def test_order_1_is_exact_where_it_has_a_closed_form(self):
+        arguments = ["simulate", "sggx_slab", "--walks", "4e4", "--grid", "4x8", "--wi", "60", "--quiet"]
+        exact = self.json_of(*arguments, "-o", "exact.exr")["runs"][0]
+        counted = self.json_of(*arguments, "--walk-order-1", "-o", "counted.exr")["runs"][0]
+        solved = self.json_of("simulate", "sggx_slab", "--wi", "60", "--estimator", "deterministic",
+                              "--quiet")["runs"][0]
+        self.assertEqual((exact["order_1"], counted["order_1"]), ("exact", "walked"))
+        self.assertGreater(exact["order_1_p_value"], 1e-6)
+        self.assertNotIn("replaced", counted)
+        for side in ("reflected", "transmitted"):
+            first, walked, truth = (run[side]["orders"]["1"] for run in (exact, counted, solved))
+            self.assertAlmostEqual(first["total"][0], truth["total"][0], delta=1e-3 * truth["total"][0])
+            self.assertLess(first["standard_error"][0], 0.01 * walked["standard_error"][0])
+            self.assertLessEqual(exact[side]["standard_error"][0], counted[side]["standard_error"][0])
+            self.assertEqual(exact[side]["multiple"], counted[side]["multiple"])
+        books = sum(exact[part]["total"][0] for part in ("reflected", "transmitted"))
+        self.assertAlmostEqual(books + sum(exact[part][0] for part in (
+            "uncollided", "absorbed", "unresolved", "replaced")), 1, 9)
+        for name, order_one in (("exact", "exact"), ("counted", "walked")):
+            shown = self.json_of("show", f"{name}.exr", "--quiet")["attributes"]
+            self.assertEqual(shown["lamella.order_1"], order_one)
+            self.assertTrue(self.json_of("rerun", f"{name}.exr", "--quiet")["same"])
+        few = self.json_of("simulate", "sggx_slab", *QUICK, "--wi", "60", "--quiet")["runs"][0]
+        self.assertEqual(few["order_1"], "walked")
+        self.assertIn("exact; walks count it", self.lamella("explain", "sggx_slab").out)
+        self.assertIn("counted by walks", self.lamella("explain", "coated_lambert_sphere").out)
+
     def test_a_white_half_space_cut_short_is_inconclusive(self):
         arguments = ["lambert_sphere_white", *QUICK, "--max-order", "20"]
         self.assertEqual(self.verdict(*arguments), "inconclusive")

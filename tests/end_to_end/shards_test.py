@@ -43,6 +43,15 @@ class PartsAreTheWholeRun(Parts):
                 self.lamella("merge", *parts, "-o", "merged.exr", "--quiet")
                 self.assertEqual(self.bytes_of("whole.exr"), self.bytes_of("merged.exr"))
 
+    def test_of_simulate_with_order_1_exact(self):
+        arguments = ["simulate", "spongecake_fabric", "--quiet", "--walks", "20000", "--grid", "2x4", "--wi", "60",
+                     "--estimator", "analog"]
+        whole = self.json_of(*arguments, "-o", "whole.exr")
+        self.assertEqual(whole["runs"][0]["order_1"], "exact")
+        merged = self.lamella("merge", *self.parts_of(3, *arguments), "-o", "merged.exr", "--quiet", "--json", "-").json()
+        self.assertEqual(self.bytes_of("whole.exr"), self.bytes_of("merged.exr"))
+        self.assertEqual(without(whole, TIMINGS | {"threads"}), without(merged, TIMINGS | {"threads"}))
+
     def test_of_simulate_tables_and_json(self):
         arguments = ["simulate", "sggx_slab", *QUICK, "--wi", "30"]
         whole = self.json_of(*arguments)
@@ -189,7 +198,7 @@ class WhatDoesNotBelongTogetherIsRefused(Parts):
             return lambda h: h["settings"].update(values)
         for change in (settings(walks=-1), settings(walks="x"), settings(grid="9999x9999"), settings(incident=[7]),
                        settings(incident=["x"]), settings(isa="auto"), settings(thin_from=3), settings(tolerance=0),
-                       settings(sampling="sobol"),
+                       settings(sampling="sobol"), settings(walk_order_1="no"),
                        settings(stack="x"), settings(words=3), settings(input="x"), settings(more=1),
                        settings(estimator="x"), settings(walk_options=["--x"]), settings(seed=1.5),
                        lambda h: h["settings"].pop("seed"), lambda h: h.pop("settings"), lambda h: h.pop("stack"),

@@ -47,6 +47,7 @@ class BoundaryNextEvent {
     const ExitPaths::Segments& s = ways().in_layer(layer);
     double* sums = sums_of(order);
     double checksum = 0;
+    const auto& lobe = lobe_of(event);
     const bool mirrored = !s.mirrors.empty();
     for (std::size_t j = 0; j < s.count(); ++j) {
       if (mirrored) {
@@ -56,7 +57,7 @@ class BoundaryNextEvent {
       const Direction wo{s.x[j], s.y[j], s.z[j]};
       const double way = wo.z > 0 ? y : l.depth - y;
       const double tau = s.rate[j] > 0 ? way * s.rate[j] : 0;
-      const PhaseValue p = event.density(wo);
+      const PhaseValue p = lobe.density(wo);
       const double transport = p.density * std::exp(-tau) * s.through[j] / std::abs(wo.z);
       checksum += transport;
       for (int c = 0; c < C; ++c) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "volume/quadrature/quadrature.h"
@@ -38,10 +39,17 @@ void add_breaks(const Vmf& ndf, std::vector<double>& breaks) {
   graded(breaks, ndf.axis().z, std::min(1.0, 4 / std::max(kappa, 1e-9)));
 }
 
+// Points of panels in v: wider than 0.05, than 0.001, and less.
+struct PanelPoints {
+  int wide, middle, narrow;
+};
+constexpr PanelPoints kPointsOfNodes{24, 10, 6}, kPointsOfPairs{16, 10, 6};
+
 // Points and weights D(v) dv, graded so that the half-integer powers of c_m at v = +-s, where an
 // arc of positive cosine opens or closes, and D itself are smooth on every panel.
 template <class Ndf>
-Quadrature normals(const Ndf& ndf, const VectorXd& out, const VectorXd& in) {
+Quadrature normals(const Ndf& ndf, const VectorXd& out, const VectorXd& in,
+                   const PanelPoints& panel_points) {
   std::vector<double> breaks{-1, 1};
   for (const VectorXd* set : {&out, &in})
     for (const double mu : *set)
@@ -52,13 +60,12 @@ Quadrature normals(const Ndf& ndf, const VectorXd& out, const VectorXd& in) {
   breaks.erase(
       std::unique(breaks.begin(), breaks.end(), [](double a, double b) { return b - a < 1e-15; }),
       breaks.end());
-  constexpr int kWide = 24, kNarrow = 6;
   std::vector<double> points, weights;
   for (std::size_t p = 0; p + 1 < breaks.size(); ++p) {
     const double length = breaks[p + 1] - breaks[p];
-    const Quadrature& rule = cached_gauss_legendre(length > 0.05   ? kWide
-                                                   : length > 1e-3 ? 10
-                                                                   : kNarrow);
+    const Quadrature& rule = cached_gauss_legendre(length > 0.05   ? panel_points.wide
+                                                   : length > 1e-3 ? panel_points.middle
+                                                                   : panel_points.narrow);
     for (Eigen::Index k = 0; k < rule.points.size(); ++k) {
       const double angle = kPi * rule.points[k];
       const double half = std::sin(angle / 2);
@@ -76,33 +83,42 @@ Quadrature normals(const Ndf& ndf, const VectorXd& out, const VectorXd& in) {
   return result;
 }
 
-// The modes of the clamped cosines <w, m> for signed cosines mu (rows) and v (columns), times the
-// sign that the azimuth x gives to one of two: c_m = 1/(2 pi) integral of max(0, a + b cos phi)
-// cos(m phi), a = mu v, b = sin sin, positive for |phi| < psi.
+// The modes of the clamped cosine <w, m> for a signed cosine mu and v, times the sign that the
+// azimuth x gives to one of two: c_m = 1/(2 pi) integral of max(0, a + b cos phi) cos(m phi), a =
+// mu v, b = sin sin, positive for |phi| < psi. `sines`: room for two more than c has. Returns how
+// many of them are not 0.
+std::size_t clamped_modes(double mu, double v, std::span<double> sines, std::span<double> c) {
+  const double a = mu * v, b = sine(mu) * sine(v);
+  const double psi = a >= b ? kPi : a <= -b ? 0 : std::acos(-a / b);
+  const std::size_t modes = c.size();
+  if (psi == 0 || psi == kPi) {
+    for (std::size_t m = 0; m < modes; ++m) c[m] = psi == 0 || m > 1 ? 0 : m == 0 ? a : b / 2;
+    return psi == 0 ? 0 : std::min<std::size_t>(2, modes);
+  }
+  const double s1 = std::sin(psi), c1 = 2 * std::cos(psi);
+  sines[0] = 0;
+  sines[1] = s1;
+  for (std::size_t m = 2; m < modes + 2; ++m) sines[m] = c1 * sines[m - 1] - sines[m - 2];
+  for (std::size_t k = 0; k < modes; ++k) {
+    const auto m = static_cast<double>(k);
+    if (k == 0)
+      c[k] = (a * psi + b * s1) / kPi;
+    else if (k == 1)
+      c[k] = (a * s1 + b / 2 * (psi + sines[2] / 2)) / kPi;
+    else
+      c[k] = (a * sines[k] / m + b / 2 * (sines[k - 1] / (m - 1) + sines[k + 1] / (m + 1))) / kPi;
+  }
+  return modes;
+}
+
+// The same for cosines mu (rows) and v (columns).
 std::vector<MatrixXd> clamped_modes(const VectorXd& mu, const VectorXd& v, int modes) {
   std::vector<MatrixXd> c(modes, MatrixXd(mu.size(), v.size()));
-  std::vector<double> sines(modes + 2);
+  std::vector<double> sines(modes + 2), one(modes);
   for (Eigen::Index j = 0; j < v.size(); ++j)
     for (Eigen::Index i = 0; i < mu.size(); ++i) {
-      const double a = mu[i] * v[j], b = sine(mu[i]) * sine(v[j]);
-      const double psi = a >= b ? kPi : a <= -b ? 0 : std::acos(-a / b);
-      if (psi == 0 || psi == kPi) {
-        for (int m = 0; m < modes; ++m) c[m](i, j) = psi == 0 || m > 1 ? 0 : m == 0 ? a : b / 2;
-        continue;
-      }
-      const double s1 = std::sin(psi), c1 = 2 * std::cos(psi);
-      sines[0] = 0;
-      sines[1] = s1;
-      for (int m = 2; m < modes + 2; ++m) sines[m] = c1 * sines[m - 1] - sines[m - 2];
-      for (int m = 0; m < modes; ++m) {
-        if (m == 0)
-          c[m](i, j) = (a * psi + b * s1) / kPi;
-        else if (m == 1)
-          c[m](i, j) = (a * s1 + b / 2 * (psi + sines[2] / 2)) / kPi;
-        else
-          c[m](i, j) =
-              (a * sines[m] / m + b / 2 * (sines[m - 1] / (m - 1) + sines[m + 1] / (m + 1))) / kPi;
-      }
+      clamped_modes(mu[i], v[j], sines, one);
+      for (int m = 0; m < modes; ++m) c[m](i, j) = one[m];
     }
   return c;
 }
@@ -115,7 +131,7 @@ KernelModes factorised(const Ndf& ndf, const VectorXd& out, const VectorXd& in, 
     v.weights = VectorXd::Constant(1, 1 / (2 * kPi));
     if constexpr (std::is_same_v<Ndf, Vmf>) v.points[0] = ndf.axis().z;
   } else {
-    v = normals(ndf, out, in);
+    v = normals(ndf, out, in, kPointsOfNodes);
   }
   const auto both_signs = [](const VectorXd& mu) {
     VectorXd both(2 * mu.size());
@@ -136,7 +152,33 @@ KernelModes factorised(const Ndf& ndf, const VectorXd& out, const VectorXd& in, 
   return kernel;
 }
 
+template <class Ndf>
+VectorXd of_pair(const Ndf& ndf, double mu_o, double mu_i, int modes) {
+  const Quadrature v = normals(ndf, VectorXd::Constant(1, std::abs(mu_o)),
+                               VectorXd::Constant(1, std::abs(mu_i)), kPointsOfPairs);
+  const auto count = static_cast<std::size_t>(modes);
+  std::vector<double> sines(count + 2), co(count), ci(count);
+  VectorXd kernel = VectorXd::Zero(modes);
+  for (Eigen::Index k = 0; k < v.points.size(); ++k) {
+    const std::size_t some = clamped_modes(mu_o, v.points[k], sines, co);
+    if (some == 0) continue;
+    const std::size_t others = clamped_modes(mu_i, v.points[k], sines, ci);
+    for (std::size_t m = 0; m < std::min(some, others); ++m)
+      kernel[static_cast<Eigen::Index>(m)] += v.weights[k] * co[m] * ci[m];
+  }
+  for (int m = 0; m < modes; ++m) kernel[m] *= m % 2 ? -2 : 2;
+  return kernel;
+}
+
 }  // namespace
+
+VectorXd lambert_flake_modes(const Sggx& ndf, double mu_o, double mu_i, int modes) {
+  return of_pair(ndf, mu_o, mu_i, modes);
+}
+
+VectorXd lambert_flake_modes(const Vmf& ndf, double mu_o, double mu_i, int modes) {
+  return of_pair(ndf, mu_o, mu_i, modes);
+}
 
 KernelModes lambert_flake_modes(const Sggx& ndf, const VectorXd& out, const VectorXd& in,
                                 int modes) {

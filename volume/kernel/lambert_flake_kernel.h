@@ -17,4 +17,12 @@ namespace lamella {
 [[nodiscard]] KernelModes lambert_flake_modes(const Vmf& ndf, const Eigen::VectorXd& out,
                                               const Eigen::VectorXd& in, int modes);
 
+/// K_m of one pair of signed cosines of w_o and w_i, for m < modes, by fewer points: the error of
+/// their series is below kPairModesError of K_0. D must not be a delta.
+inline constexpr double kPairModesError = 2e-6;
+[[nodiscard]] Eigen::VectorXd lambert_flake_modes(const Sggx& ndf, double mu_o, double mu_i,
+                                                  int modes);
+[[nodiscard]] Eigen::VectorXd lambert_flake_modes(const Vmf& ndf, double mu_o, double mu_i,
+                                                  int modes);
+
 }  // namespace lamella

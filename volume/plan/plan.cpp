@@ -34,6 +34,7 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
     if (stack.has_grid() ? stack.layers[k].thickness > 0 : stack.layers[k].depth() > 0)
       plan.layers.push_back(k);
   if (stack.has_grid()) return plan;
+  plan.order_one = limits.order_one;
   plan.thinning = limits.thinning.value_or(thinning_for(stack, plan.layers, plan.max_order));
   if (!limits.max_order && plan.thinning.is_on()) plan.max_order = kThinnedMaxOrder;
   if (!plan.boundaries) plan.sampling = limits.sampling;

@@ -7,6 +7,7 @@
 
 #include "phase/lanes/isa.h"
 #include "phase/stack/stack.h"
+#include "volume/result/order_one.h"
 #include "volume/result/tally.h"
 #include "volume/result/thinning.h"
 #include "volume/result/walk_sampling.h"
@@ -34,6 +35,7 @@ struct Plan {
   std::uint64_t max_order = kMaxOrder;  ///< walks are cut after this many events, as unresolved
   Thinning thinning{};                  ///< of long walks, where it pays
   Sampling sampling = Sampling::random;
+  OrderOne order_one = OrderOne::walked;  ///< exact: where a result takes it, see Simulation
   Isa isa = Isa::scalar;  ///< lanes where a kernel exists, see volume/lanes/lane_run.h
 
   /// Which layers of the stack have any depth; the others are left out. With a grid somewhere: any
@@ -54,6 +56,7 @@ struct WalkLimits {
   std::optional<std::uint64_t> max_order{};
   std::optional<Thinning> thinning{};
   Sampling sampling = Sampling::random;
+  OrderOne order_one = OrderOne::walked;
 };
 
 /// The narrowest plan that models the stack. Reads its grids; throws std::invalid_argument.

@@ -66,9 +66,12 @@ struct Members {
     for (std::uint64_t* n : {&run.walks, &run.collisions, &run.max_order, &run.holes}) each(*n);
     each(run.thinning.first);
     each(run.sampling);
+    each(run.order_one);
+    each(run.order_one_p_value);
     of(run.reflected);
     of(run.transmitted);
-    for (auto* e : {&run.uncollided, &run.absorbed, &run.unresolved, &run.lost, &run.thinned})
+    for (auto* e :
+         {&run.uncollided, &run.absorbed, &run.unresolved, &run.lost, &run.thinned, &run.replaced})
       all(*e);
     bool bounded = run.accuracy.has_value();
     each(bounded);

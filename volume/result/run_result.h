@@ -8,6 +8,7 @@
 #include "volume/result/accuracy.h"
 #include "volume/result/cell_grid.h"
 #include "volume/result/estimator.h"
+#include "volume/result/order_one.h"
 #include "volume/result/tally.h"
 #include "volume/result/thinning.h"
 #include "volume/result/walk_sampling.h"
@@ -45,15 +46,26 @@ struct RunResult {
   std::uint64_t max_order = 0;  ///< of walks; 0 from the solver
   Thinning thinning;
   Sampling sampling = Sampling::random;
-  std::uint64_t holes = 0;  ///< rays that began inside of explicit grains: a defect
+  /// exact: the errors of order 1 and of `uncollided` are bounds, those of all orders have order 2
+  /// and up of the walks and these bounds.
+  OrderOne order_one = OrderOne::walked;
+  double order_one_p_value = 1;  ///< of the walks' own order 1, where it is exact (first_check.h)
+  std::uint64_t holes = 0;       ///< rays that began inside of explicit grains: a defect
   double seconds = 0;
   SideResult reflected, transmitted;
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
   std::array<Estimate, 3> lost{};     ///< by single scattering at rough interfaces
   std::array<Estimate, 3> thinned{};  ///< taken by thinning less given back: 0 on average
+  /// What walks counted of uncollided light, and of order 1 where `total` has the closed form of it,
+  /// less what took its place: 0 on average, and the walks' own books balance with it.
+  std::array<Estimate, 3> replaced{};
   std::optional<DeterministicAccuracy> accuracy{};
 
   [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }
+  /// Whether the cells of this order's lobe have error bounds, no noise.
+  [[nodiscard]] bool is_bounded(Order order) const {
+    return is_bounded() || (order == Order::one && order_one == OrderOne::exact);
+  }
 };
 
 /// Whether single scattering at rough interfaces has lost light.
@@ -64,7 +76,8 @@ struct RunResult {
 /// The sum of all parts of the ledger, 1 up to rounding.
 [[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {
   return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
-         run.absorbed[c].value + run.unresolved[c].value + run.lost[c].value + run.thinned[c].value;
+         run.absorbed[c].value + run.unresolved[c].value + run.lost[c].value +
+         run.thinned[c].value + run.replaced[c].value;
 }
 
 }  // namespace lamella

@@ -9,6 +9,7 @@
 #include "volume/lanes/lane_run.h"
 #include "volume/lanes/lane_setting.h"
 #include "volume/plan/longest_walk.h"
+#include "volume/run/simulation.h"
 #include "volume/voxels/density_grid.h"
 
 namespace lamella {
@@ -264,6 +265,16 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
                      std::isfinite(longest_walk(stack, plan.layers))
                          ? fmt::format("about {:.2g}", longest_walk(stack, plan.layers))
                          : "any number of")});
+  if (plan.order_one == OrderOne::exact) {
+    const auto reason = why_no_closed_first(stack);
+    notes.push_back(
+        {"order 1", reason ? "counted by walks" : "exact; walks count it as a check",
+         reason.value_or(fmt::format("a closed form, at points and in cells from {} walks per cell "
+                                     "and side on, {} at least, or {} next-event walks "
+                                     "(--walk-order-1)",
+                                     kCountedPerClosedCell, kCountedForClosedCells,
+                                     kNextEventForClosedCells))});
+  }
   explain_lanes(stack, plan, notes);
   if (plan.sampling == Sampling::rqmc)
     notes.push_back({"sampling",

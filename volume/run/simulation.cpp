@@ -7,7 +7,6 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "phase/math/larger_error.h"
 #include "volume/grid_walk/grid_walk.h"
 #include "volume/interfaces/boundary_run.h"
 #include "volume/lanes/lane_run.h"
@@ -43,6 +42,7 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
       batches_(kBatches) {
   grid.folded = plan.folded && grid.phi_cells % 2 == 0;
   targets_ = {grid, std::atan2(incident_.y, incident_.x), plan.transmits};
+  has_closed_first_ = plan.order_one == OrderOne::exact && !why_no_closed_first(stack);
   for (BatchTally& batch : batches_)
     batch.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels * targets_.count());
   if (stack.grains()) {
@@ -187,6 +187,23 @@ std::optional<LaneUse> Simulation::lane_use() const {
   return lanes_->use();
 }
 
+OrderOne Simulation::order_one() const {
+  const std::uint64_t enough =
+      estimator_ == Estimator::analog
+          ? std::max(kCountedForClosedCells,
+                     kCountedPerClosedCell * static_cast<std::uint64_t>(targets_.count()))
+          : kNextEventForClosedCells;
+  return has_closed_first_ && walks_ >= enough ? OrderOne::exact : OrderOne::walked;
+}
+
+const ClosedFirst& Simulation::closed_first() const {
+  std::call_once(first_is_there_, [this] {
+    first_ = lamella::closed_first(stack_, targets_.grid, incident_, plan_.channels,
+                                   targets_.both_sides);
+  });
+  return first_;
+}
+
 std::uint64_t Simulation::collisions() const {
   std::uint64_t sum = 0;
   for (const BatchTally& batch : batches_) sum += batch.collisions;
@@ -203,123 +220,6 @@ std::uint64_t Simulation::stride() const {
   // The longest of thinned walks on lanes take their time after all others have ended.
   if (lanes_ && plan_.thinning.is_on() && estimator_ == Estimator::analog) return 1 << 17;
   return kBatches * (grains_ ? grains_->walks_per_realisation : 1);
-}
-
-namespace {
-
-SideResult reduce_side(const Simulation& simulation, bool up) {
-  const CellTargets& targets = simulation.targets();
-  const int channels = simulation.plan().channels;
-  const int cells = targets.grid.cells(), count = targets.count();
-  const auto& batches = simulation.batches();
-  SideResult side;
-  const auto energy_of = [up](const BatchTally& b) -> const auto& {
-    return up ? b.energy.up : b.energy.down;
-  };
-  const auto zero_of = [up](const BatchTally& b) -> const auto& {
-    return up ? b.energy.zero_up : b.energy.zero_down;
-  };
-  for (int c = 0; c < channels; ++c) {
-    for (int o = 0; o < kTallyOrders; ++o)
-      side.orders[o][c] =
-          batch_estimate(batches, [&](const BatchTally& b) { return energy_of(b)[o][c]; });
-    side.total[c] = batch_estimate(batches, [&](const BatchTally& b) {
-      double sum = zero_of(b)[c];
-      for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
-      return sum;
-    });
-    side.multiple[c] = batch_estimate(batches, [&](const BatchTally& b) {
-      double sum = 0;
-      for (int o = place(Order::two); o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
-      return sum;
-    });
-    side.zero[c] = batch_estimate(batches, [&](const BatchTally& b) { return zero_of(b)[c]; });
-    side.specular[c] = batch_estimate(batches, [&](const BatchTally& b) {
-      return (up ? b.energy.specular_up : b.energy.specular_down)[c];
-    });
-  }
-  if (!up && !targets.both_sides) return side;
-  const int slots = simulation.plan().order_slots();
-  for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
-    const bool of_interfaces = o == place(Order::zero) || o == place(Order::scattered);
-    if (of_interfaces && !simulation.plan().rough_boundaries) continue;
-    LobeEstimate& lobe = side.lobes[o];
-    lobe.value.resize(static_cast<std::size_t>(channels) * cells);
-    lobe.standard_error.resize(lobe.value.size());
-    for (int c = 0; c < channels; ++c)
-      for (int cell = 0; cell < cells; ++cell) {
-        const int target = target_of(targets, up, cell);
-        const auto slot = [&](int order) {
-          return (static_cast<std::size_t>(order) * channels + c) * count + target;
-        };
-        const Estimate e = batch_estimate(batches, [&](const BatchTally& b) {
-          if (o < kTallyOrders) return b.f[slot(o)];
-          if (o == place(Order::zero)) return b.f[slot(kZeroSlot)];
-          double sum = 0;
-          const int begin = o == place(Order::multiple) ? place(Order::two) : 0;
-          const int end = o == place(Order::all) ? slots : kTallyOrders;
-          for (int order = begin; order < end; ++order) sum += b.f[slot(order)];
-          return sum;
-        });
-        lobe.value[static_cast<std::size_t>(c) * cells + cell] = e.value;
-        lobe.standard_error[static_cast<std::size_t>(c) * cells + cell] = e.standard_error;
-      }
-  }
-  return side;
-}
-
-}  // namespace
-
-RunResult reduce(const Simulation& simulation) {
-  RunResult run;
-  run.incident = simulation.incident();
-  run.estimator = simulation.estimator();
-  run.grid = simulation.targets().grid;
-  run.channels = simulation.plan().channels;
-  run.walks = simulation.walks();
-  run.collisions = simulation.collisions();
-  run.max_order = simulation.plan().max_order;
-  run.thinning = simulation.plan().thinning;
-  run.sampling = simulation.sampling();
-  run.holes = simulation.holes();
-  const bool up = run.incident.z > 0;
-  run.reflected = reduce_side(simulation, up);
-  run.transmitted = reduce_side(simulation, !up);
-  const auto& batches = simulation.batches();
-  for (int c = 0; c < run.channels; ++c) {
-    run.uncollided[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.uncollided[c]; });
-    run.absorbed[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.absorbed[c]; });
-    run.lost[c] = batch_estimate(batches, [&](const BatchTally& b) { return b.energy.lost[c]; });
-    run.thinned[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.thinned[c]; });
-    run.unresolved[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.unresolved[c]; });
-  }
-  return run;
-}
-
-double largest_relative_error(const Simulation& simulation) {
-  double largest = 0;
-  const auto consider = [&](const Estimate& e) {
-    if (!(e.value <= 1e-3)) largest = larger_error(largest, e.standard_error / e.value);
-  };
-  for (const bool up : {true, false})
-    for (int c = 0; c < simulation.plan().channels; ++c) {
-      const auto energy_of = [&](const BatchTally& b) -> const auto& {
-        return up ? b.energy.up : b.energy.down;
-      };
-      for (int o = 0; o < kTallyOrders; ++o)
-        consider(batch_estimate(simulation.batches(),
-                                [&](const BatchTally& b) { return energy_of(b)[o][c]; }));
-      consider(batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-        double sum = (up ? b.energy.zero_up : b.energy.zero_down)[c];
-        for (int o = 0; o < kTallyOrders; ++o) sum += energy_of(b)[o][c];
-        return sum;
-      }));
-    }
-  return largest;
 }
 
 double run(Simulation& simulation, const StopRule& rule,

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "volume/plan/plan.h"
 #include "volume/result/run_result.h"
 #include "volume/result/tally.h"
+#include "volume/solver/closed_first.h"
 #include "volume/walk/scorers.h"
 #include "volume/walk/walk_batches.h"
 
@@ -70,6 +72,15 @@ class Simulation {
   /// Nothing for scalar walks.
   [[nodiscard]] std::optional<LaneUse> lane_use() const;
 
+  /// Where a result takes order 1 from: the closed form, if the plan asks for it, the stack has one
+  /// (why_no_closed_first) and the walks so far take longer than it does. Walks count order 1 in
+  /// any case, so tallies, parts and checkpoints are the same.
+  [[nodiscard]] OrderOne order_one() const;
+  /// The slot of the first order that a result has from walks.
+  [[nodiscard]] int first_walked() const { return order_one() == OrderOne::exact ? 1 : 0; }
+  /// Order 1 on the cells, computed by the first call.
+  [[nodiscard]] const ClosedFirst& closed_first() const;
+
   /// How many of the first `walks` walks are a batch's.
   [[nodiscard]] static std::uint64_t walks_of_batch(int batch, std::uint64_t walks);
   /// What walks on lanes need beside a batch's tally to go on; nothing for others.
@@ -99,7 +110,15 @@ class Simulation {
   std::vector<BatchTally> batches_;
   RunBatch run_batch_;
   std::unique_ptr<LaneRun> lanes_;
+  bool has_closed_first_ = false;
+  mutable std::once_flag first_is_there_;
+  mutable ClosedFirst first_;
 };
+
+/// Walks from which on a result takes order 1 in closed form: counted walks per target (a cell on
+/// one side) and in all, and next-event walks, which take longer the more targets there are.
+inline constexpr std::uint64_t kCountedPerClosedCell = 256, kCountedForClosedCells = 16384,
+                               kNextEventForClosedCells = 4096;
 
 /// Reduces the batches of a simulation on cells, in batch order.
 [[nodiscard]] RunResult reduce(const Simulation& simulation);

@@ -11,6 +11,7 @@
 #include "volume/solver/closed_cells.h"
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/critical_cosines.h"
+#include "volume/solver/diffuse_rows.h"
 #include "volume/solver/row_sampler.h"
 
 namespace lamella {
@@ -19,19 +20,6 @@ namespace {
 // Errors of the nodes above it, as a share of f, say that they know no digit.
 constexpr double kNoDigit = 0.1;
 constexpr double kRounding = 1e-11;
-
-// Mean over a column of cells of cos(m (pi - phi)), by column and mode.
-Eigen::MatrixXd column_cosines(const CellGrid& grid, int modes) {
-  Eigen::MatrixXd cosines(grid.columns(), modes);
-  const double width = grid.edge_phi(1);
-  for (int column = 0; column < grid.columns(); ++column)
-    for (int m = 0; m < modes; ++m) {
-      const double half = m * width / 2;
-      cosines(column, m) = std::cos(m * (kPi - grid.edge_phi(column) - width / 2)) *
-                           (m == 0 ? 1 : std::sin(half) / half);
-    }
-  return cosines;
-}
 
 // Whether there are mirror flakes, whose phase functions jump straight on.
 bool has_mirrors(const Stack& stack) {

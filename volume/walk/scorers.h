@@ -114,22 +114,30 @@ class NextEventScorer {
     const double* rate = directions_.rate[layer].data();
     const double* beyond = directions_.beyond[layer].data();
     double checksum = 0;
-    const auto range = [&](int from, int to, double way) {
+    const auto& lobe = lobe_of(event);
+    // Fresnel's factor costs a root: where there is none, it is no part of the loop.
+    const auto range = [&](int from, int to, double way, auto fresnel) {
       for (int j = from; j < to; ++j) {
         const Direction wo{directions_.x[j], directions_.y[j], directions_.z[j]};
         const double tau = beyond[j] + (rate[j] > 0 ? way * rate[j] : 0);
-        const PhaseValue p = event.density(wo);
+        const PhaseValue p = lobe.density(wo);
         const double transport = p.density * std::exp(-tau) * directions_.inverse_mu[j];
         checksum += transport;
         for (int c = 0; c < C; ++c) {
           double share = weight[c] * l.albedo[c] * transport;
-          if (l.fresnel) share *= l.f0[c] + (1 - l.f0[c]) * p.schlick;
+          if constexpr (fresnel.value) share *= l.f0[c] + (1 - l.f0[c]) * p.schlick;
           sums[c * count + j] += share;
         }
       }
     };
-    range(0, directions_.up, y);
-    range(directions_.up, count, l.depth - y);
+    const auto both = [&](auto fresnel) {
+      range(0, directions_.up, y, fresnel);
+      range(directions_.up, count, l.depth - y, fresnel);
+    };
+    if (l.fresnel)
+      both(std::true_type());
+    else
+      both(std::false_type());
     finite_ = finite_ && std::isfinite(checksum);
   }
 

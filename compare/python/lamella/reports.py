@@ -81,6 +81,7 @@ def compare(stack: Union[Stack, Model, str], models: Union[ModelLike, Iterable[M
             tolerance: Optional[float] = None, target_error: Optional[float] = None,
             time: Optional[float] = None, max_order: Optional[int] = None,
             thin_from: Optional[int] = None, sampling: Optional[str] = None,
+            walk_order_1: Optional[bool] = None,
             seed: Optional[int] = None,
             threads: Optional[int] = None, isa: Optional[str] = None,
             progress: Optional[bool] = None) -> Report:
@@ -103,7 +104,7 @@ def compare(stack: Union[Stack, Model, str], models: Union[ModelLike, Iterable[M
     given = keywords(wi=incident(wi), grid=grid, estimator=estimator, walks=walks,
                      tolerance=tolerance, target_error=target_error, time=time,
                      max_order=max_order, thin_from=thin_from, sampling=sampling,
-                     seed=seed, threads=threads, isa=isa)
+                     walk_order_1=walk_order_1, seed=seed, threads=threads, isa=isa)
     judged = [as_model(m) for m in listed]
     if isinstance(stack, Model) or is_measured(stack):
         if not judged:

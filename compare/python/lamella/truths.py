@@ -16,6 +16,7 @@ def simulate(stack: Union[Stack, str], wi: Any = None, *, grid: Optional[tuple[i
              tolerance: Optional[float] = None, target_error: Optional[float] = None,
              time: Optional[float] = None, max_order: Optional[int] = None,
              thin_from: Optional[int] = None, sampling: Optional[str] = None,
+             walk_order_1: Optional[bool] = None,
              seed: Optional[int] = None,
              threads: Optional[int] = None, isa: Optional[str] = None,
              progress: Optional[bool] = None) -> Lobes:
@@ -27,15 +28,15 @@ def simulate(stack: Union[Stack, str], wi: Any = None, *, grid: Optional[tuple[i
     grid: cells per hemisphere along mu^2 and phi, default (16, 32).
     estimator: "auto" (default), "analog", "next-event" or "deterministic".
     walks: per direction, default 1e6. tolerance: of the solver, default 1e-4.
-    target_error, time [s], max_order, thin_from, sampling, seed, threads, isa: as on the command
-        line.
+    target_error, time [s], max_order, thin_from, sampling, walk_order_1, seed, threads, isa: as on
+        the command line.
     progress: None shows it in notebooks and on terminals; True, False.
     """
     core = as_stack(stack)._core
     given = keywords(wi=incident(wi), grid=grid, estimator=estimator, walks=walks,
                      tolerance=tolerance, target_error=target_error, time=time,
                      max_order=max_order, thin_from=thin_from, sampling=sampling,
-                     seed=seed, threads=threads, isa=isa)
+                     walk_order_1=walk_order_1, seed=seed, threads=threads, isa=isa)
     lobes, warnings = _core.simulate(core, given, shown(progress))
     warn(warnings, lobes.interrupted)
     return Lobes(lobes)

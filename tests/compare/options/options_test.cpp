@@ -24,6 +24,7 @@ TEST(Options, BecomeATypedRequest) {
   options.max_order = 9;
   options.thin_from = 16;
   options.sampling = "random";
+  options.walk_order_1 = true;
   options.walk_settings = {WalkSetting::walks, WalkSetting::max_order};
   options.tolerance = 1e-3;
   options.grid = "8x16";
@@ -43,6 +44,7 @@ TEST(Options, BecomeATypedRequest) {
   ASSERT_TRUE(request.limits.thinning);
   EXPECT_EQ(request.limits.thinning->first, 16U);
   EXPECT_EQ(request.limits.sampling, Sampling::random);
+  EXPECT_EQ(request.limits.order_one, OrderOne::walked);
   EXPECT_THAT(request.given, testing::ElementsAre(WalkSetting::walks, WalkSetting::max_order));
   EXPECT_EQ(request.tolerance, 1e-3);
   EXPECT_EQ(request.cells, (CellGrid{8, 16, false}));
@@ -59,6 +61,7 @@ TEST(Options, AreThoseOfARequestWhereNothingIsTyped) {
   EXPECT_FALSE(typed.effort.target_error || typed.effort.seconds || typed.limits.max_order ||
                typed.limits.thinning);
   EXPECT_EQ(typed.limits.sampling, plain.limits.sampling);
+  EXPECT_EQ(typed.limits.order_one, plain.limits.order_one);
   EXPECT_TRUE(typed.given.empty());
   EXPECT_EQ(typed.tolerance, plain.tolerance);
   EXPECT_EQ(typed.cells, plain.cells);

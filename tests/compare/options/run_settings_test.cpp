@@ -18,6 +18,7 @@ Options odd_options() {
   options.max_order = std::uint64_t{1} << 60;
   options.thin_from = 64;
   options.sampling = "random";
+  options.walk_order_1 = true;
   options.walk_settings = {WalkSetting::walks, WalkSetting::thin_from};
   options.tolerance = 1.0 / 3e5;
   options.grid = "3x4";
@@ -38,6 +39,7 @@ TEST(RunSettings, ComeBackFromTheirText) {
   EXPECT_EQ(settings_json(back), settings);
   EXPECT_EQ(back.seed, 18446744073709551615u);
   EXPECT_EQ(back.sampling, "random");
+  EXPECT_TRUE(back.walk_order_1);
   EXPECT_EQ(back.tolerance, 1.0 / 3e5);
   EXPECT_FALSE(back.seconds);
   EXPECT_THAT(back.walk_settings, testing::ElementsAre(WalkSetting::walks, WalkSetting::thin_from));

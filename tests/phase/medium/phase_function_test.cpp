@@ -44,6 +44,37 @@ TEST(PhaseFunction, IntegratesToOneForEveryMediumAndDirection) {
   }
 }
 
+// What an event prepares for many directions, straight on and back included, and where sigma is
+// next to nothing.
+TEST(PhaseFunction, OfAnEventForManyDirectionsIsThatOfOne) {
+  for (const MediumCase& c : media_cases()) {
+    for (const Direction wi : incident_directions()) {
+      if (!scatters(c, wi)) continue;
+      std::visit(
+          [&](const auto& medium) {
+            RandomStream stream(1, 2, StreamPurpose::measure);
+            const auto event = medium.collide(wi, stream);
+            const auto& lobe = lobe_of(event);
+            for (int k = 0; k < 40; ++k) {
+              const Direction wo = k == 0   ? -wi
+                                   : k == 1 ? wi
+                                   : k < 20 ? event.sample(stream).wo
+                                            : uniform_sphere(stream.uniform(), stream.uniform());
+              const PhaseValue one = event.density(wo), many = lobe.density(wo);
+              // Next to w_o = -w_i rounding decides where h points.
+              const Direction h = wi + wo;
+              const double rounding = 1e-12 * (1 + 1e-3 / std::max(dot(h, h), 1e-12)) *
+                                      (1 + 1 / (c.roughness * c.roughness));
+              EXPECT_NEAR(many.density, one.density, rounding * one.density + 1e-300)
+                  << c.name << ' ' << to_text(wi) << ' ' << to_text(wo);
+              EXPECT_EQ(many.schlick, one.schlick);
+            }
+          },
+          c.medium);
+    }
+  }
+}
+
 TEST(PhaseFunction, OfLambertFlakesIntegratesToOne) {
   constexpr int kAzimuths = 8;
   for (const MediumCase& c : media_cases()) {
