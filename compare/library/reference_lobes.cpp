@@ -35,9 +35,14 @@ bool has_wide_bounds(const PairTruth& truth) {
   return 2 * wide > truth.f.size();
 }
 
+bool is_harmonic(const Stack& stack) {
+  return !stack.is_symmetric_about_z() && !stack.has_grid() && !stack.grains();
+}
+
 // Empty where the solver is to be tried.
-std::string why_walks(const ReferenceEffort& effort, const std::optional<std::string>& no_solver) {
-  return effort.walks_only ? "asked for" : no_solver.value_or("");
+std::string why_walks(const ReferenceEffort& effort, const Stack& stack) {
+  if (effort.walks_only) return "asked for";
+  return (is_harmonic(stack) ? why_not_harmonic(stack) : why_not_deterministic(stack)).value_or("");
 }
 
 // A stop flag that is set after some time, or once another is: cells and pairs have no clock.
@@ -151,10 +156,7 @@ Lobes lobes_of(const Stack& stack, const ReferenceEffort& effort, const RunMonit
   Lobes lobes;
   const TruthRequest open = request_of(stack, effort);
   const double seconds = kLobeShare * effort.seconds;
-  std::string reason =
-      why_walks(effort, stack.is_symmetric_about_z() || stack.has_grid() || stack.grains()
-                            ? why_not_deterministic(stack)
-                            : why_not_harmonic(stack));
+  std::string reason = why_walks(effort, stack);
   if (reason.empty()) {
     lobes.request = by_solver(open, effort.tolerance, seconds);
     try {
@@ -182,7 +184,7 @@ PairTruth points_of(const Stack& stack, const ReferenceEffort& effort,
                     std::string& reason) {
   const TruthRequest open = request_of(stack, effort);
   const double seconds = (1 - kLobeShare) * effort.seconds;
-  reason = why_walks(effort, why_not_deterministic(stack));
+  reason = why_walks(effort, stack);
   if (reason.empty()) {
     try {
       const TimeLimit limit(seconds, monitor.stop);
@@ -244,7 +246,9 @@ std::optional<Reference> find_reference(const Stack& stack, const ReferenceEffor
   reference.f = points.f;
   reference.f_error = points.error;
   ReferenceMethod& method = reference.point_method;
-  method = {.name = points.is_solved() ? "adding-doubling" : "next-event",
+  method = {.name = !points.is_solved()  ? "next-event"
+                    : is_harmonic(stack) ? "harmonics"
+                                         : "adding-doubling",
             .reason = points.is_solved() ? "" : reason,
             .tolerance = points.is_solved() ? effort.point_tolerance : 0,
             .walks = points.fewest_walks};
