@@ -192,8 +192,8 @@ std::vector<std::string> draw_worst(const std::filesystem::path& folder, const R
 void print_parts(std::FILE* out, const AccuracyEnsemble& ensemble, const Rows& all, bool fits) {
   fmt::print(out,
              "{} random stacks, {} walks along each of {} directions; relative RMSE over 8 x 16 "
-             "cells per side and 3\nchannels, noise taken off: mean / 90th percentile over the "
-             "stacks; noise {} of a stack's RMS on average\n\n"
+             "cells\nper side and 3 channels, noise taken off: mean / 90th percentile over the "
+             "stacks; noise {}\nof a stack's RMS on average\n\n"
              "| stacks | number | 2+: network | 2+: best fit | all: no lobes | all: network | "
              "all: best fit |\n| --- | --- | --- | --- | --- | --- | --- |\n",
              all.size(), ensemble.walks, ensemble.directions,

@@ -108,7 +108,7 @@ Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases
   if (context.table)
     fmt::print(context.table,
                "{} walks along each of {} incident directions; relative RMSE without noise of "
-               "orders 2 and up (2+),\nand of all orders without lobes and with the network's\n"
+               "orders 2\nand up (2+), and of all orders without lobes and with the network's\n"
                "{:<36} {:>8} {:>10} {:>9} {:>9} {:>11} {:>9}\n",
                walks, kGrid.cells(), "layers: kind, roughness, thickness", "2+ share", "2+ network",
                "2+ fit", "all none", "all network", "noise");

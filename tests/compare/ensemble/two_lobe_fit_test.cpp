@@ -101,6 +101,33 @@ std::vector<LobeCell> cells_of(const Stack& stack, const SpongecakeLobes& lobes)
   return cells;
 }
 
+TEST(LobeCellNodes, IntegrateCubicsOverACell) {
+  const Direction wi = direction_from_degrees(40, 10);
+  const double from = 1 - 2.0 / 4, to = 1 - 1.0 / 4;  // of mu^2, in row 1 of 4
+  for (const int parts : {1, 2}) {
+    const std::vector<Direction> nodes = cell_nodes(wi, 1, 2, 4, 8, true, parts);
+    ASSERT_EQ(nodes.size(), static_cast<std::size_t>(4 * parts * parts));
+    double cubes = 0, azimuths = 0;
+    for (const Direction wo : nodes) {
+      cubes += std::pow(wo.z, 6) / static_cast<double>(nodes.size());
+      azimuths += (azimuth(wo) - azimuth(wi)) / static_cast<double>(nodes.size());
+    }
+    EXPECT_NEAR(cubes, (std::pow(to, 4) - std::pow(from, 4)) / (4 * (to - from)), 1e-14);
+    EXPECT_NEAR(azimuths, 2 * kPi * 2.5 / 8, 1e-14);
+  }
+}
+
+TEST(LobeCellNodes, AreMoreForNarrowFlakes) {
+  const auto stack = [](double above, double below) {
+    Stack two{.name = "two", .layers = {}, .substrate = {}};
+    for (const double roughness : {above, below})
+      two.layers.push_back(flake_layer(true, roughness, {1, 0, 0}, Rgb(0.5), Rgb(1), 1));
+    return two;
+  };
+  EXPECT_EQ(cell_parts(stack(0.3, 0.2)), 1);
+  EXPECT_EQ(cell_parts(stack(0.3, 0.19)), 2);
+}
+
 class TwoLobeFits : public ::testing::Test {
   void SetUp() override {
     if (!has_least_squares()) GTEST_SKIP() << "built without Ceres";
