@@ -56,8 +56,8 @@ struct RunResult {
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
   std::array<Estimate, 3> lost{};     ///< by single scattering at rough interfaces
   std::array<Estimate, 3> thinned{};  ///< taken by thinning less given back: 0 on average
-  /// What walks counted of uncollided light, and of order 1 where `total` has the closed form of it,
-  /// less what took its place: 0 on average, and the walks' own books balance with it.
+  /// What walks counted of uncollided light, and of order 1 where `total` has its closed form, less
+  /// what took its place: 0 on average, and the walks' own books balance with it.
   std::array<Estimate, 3> replaced{};
   std::optional<DeterministicAccuracy> accuracy{};
 

@@ -117,7 +117,7 @@ class Simulation {
 
 /// Walks from which on a result takes order 1 in closed form: counted walks per target (a cell on
 /// one side) and in all, and next-event walks, which take longer the more targets there are.
-inline constexpr std::uint64_t kCountedPerClosedCell = 256, kCountedForClosedCells = 16384,
+inline constexpr std::uint64_t kCountedPerClosedCell = 1024, kCountedForClosedCells = 16384,
                                kNextEventForClosedCells = 4096;
 
 /// Reduces the batches of a simulation on cells, in batch order.

@@ -15,7 +15,7 @@ namespace lamella {
 namespace {
 
 constexpr CellGrid kFirstCells{4, 8, false};
-constexpr std::uint64_t kFirstWalks = 1 << 15;
+constexpr std::uint64_t kFirstWalks = 1 << 16;
 
 std::unique_ptr<Simulation> first_walked(const Stack& stack, OrderOne order_one,
                                          Estimator estimator, std::uint64_t seed = 1,
