@@ -61,8 +61,8 @@ void print_run(std::FILE* out, const RunResult& run) {
                "double\n",
                "thinned", with_error(run.thinned, run), run.thinning.first);
   if (run.order_one == OrderOne::exact)
-    fmt::print(out, "  {:<12} {}: as walked less exact, p = {:.2g}\n", "replaced",
-               with_error(run.replaced, run), run.order_one_p_value);
+    fmt::print(out, "  {:<12} exact; what walks counted of it has p = {:.2g}\n", "order 1",
+               run.order_one_p_value);
   if (run.holes > 0)
     fmt::print(out, "  {:<12} {} rays began inside of a grain: please report it\n", "holes",
                run.holes);

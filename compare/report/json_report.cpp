@@ -186,10 +186,7 @@ Json to_json(const RunResult& run) {
     out["sampling"] = to_text(run.sampling);
     out["order_1"] = to_text(run.order_one);
   }
-  if (run.order_one == OrderOne::exact) {
-    out["order_1_p_value"] = run.order_one_p_value;
-    out["replaced"] = values_of(run.replaced, run.channels);
-  }
+  if (run.order_one == OrderOne::exact) out["order_1_p_value"] = run.order_one_p_value;
   if (run.thinning.is_on()) {
     out["thinned_from"] = run.thinning.first;
     out["thinned"] = values_of(run.thinned, run.channels);

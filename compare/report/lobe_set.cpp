@@ -71,7 +71,6 @@ void add_energies(LobeSet& set, const std::vector<RunResult>& runs) {
   add_energy(set, runs, "", "unresolved", [](const RunResult& r) { return r.unresolved; });
   add_energy(set, runs, "", "lost", [](const RunResult& r) { return r.lost; });
   add_energy(set, runs, "", "thinned", [](const RunResult& r) { return r.thinned; });
-  add_energy(set, runs, "", "replaced", [](const RunResult& r) { return r.replaced; });
 }
 
 // Numbers between blanks, several between commas in each.

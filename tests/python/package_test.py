@@ -104,8 +104,7 @@ def test_a_lobe_is_its_energy():
     rounding = 1e-12
     assert np.allclose(np.pi * mean, lobes.energies["reflect", "all"], rtol=rounding)
     total = sum(lobes.energies[k] for k in [("reflect", "all"), ("transmit", "all"), "uncollided",
-                                           "absorbed", "unresolved", "lost", "thinned",
-                                           "replaced"])
+                                           "absorbed", "unresolved", "lost", "thinned"])
     assert np.allclose(total, 1, atol=rounding)
     assert np.allclose(lobes.mu_edges**2, np.linspace(1, 0, 9), atol=rounding)
 

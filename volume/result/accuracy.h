@@ -28,7 +28,7 @@ struct DeterministicAccuracy {
   /// The defect of the energies at the probes: the distance of their sum from 1, or of any below 0
   /// from 0, whichever is largest.
   double energy_defect = 0;
-  int nodes = 0, modes = 0;            ///< modes: the most of any channel
+  int nodes = 0, modes = 0;  ///< modes: the most of any channel
   /// Degree of the spherical harmonics, where those have solved the stack; 0: adding and doubling.
   int harmonics = 0;
   std::array<int, 3> channel_modes{};  ///< per colour channel

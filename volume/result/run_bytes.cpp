@@ -70,8 +70,7 @@ struct Members {
     each(run.order_one_p_value);
     of(run.reflected);
     of(run.transmitted);
-    for (auto* e :
-         {&run.uncollided, &run.absorbed, &run.unresolved, &run.lost, &run.thinned, &run.replaced})
+    for (auto* e : {&run.uncollided, &run.absorbed, &run.unresolved, &run.lost, &run.thinned})
       all(*e);
     bool bounded = run.accuracy.has_value();
     each(bounded);

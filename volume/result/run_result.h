@@ -56,9 +56,6 @@ struct RunResult {
   std::array<Estimate, 3> uncollided{}, absorbed{}, unresolved{};
   std::array<Estimate, 3> lost{};     ///< by single scattering at rough interfaces
   std::array<Estimate, 3> thinned{};  ///< taken by thinning less given back: 0 on average
-  /// What walks counted of uncollided light, and of order 1 where `total` has its closed form, less
-  /// what took its place: 0 on average, and the walks' own books balance with it.
-  std::array<Estimate, 3> replaced{};
   std::optional<DeterministicAccuracy> accuracy{};
 
   [[nodiscard]] bool is_bounded() const { return accuracy.has_value(); }
@@ -76,8 +73,7 @@ struct RunResult {
 /// The sum of all parts of the ledger, 1 up to rounding.
 [[nodiscard]] inline double ledger_sum(const RunResult& run, int c) {
   return run.reflected.total[c].value + run.transmitted.total[c].value + run.uncollided[c].value +
-         run.absorbed[c].value + run.unresolved[c].value + run.lost[c].value +
-         run.thinned[c].value + run.replaced[c].value;
+         run.absorbed[c].value + run.unresolved[c].value + run.lost[c].value + run.thinned[c].value;
 }
 
 }  // namespace lamella

@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
 
 #include "phase/math/larger_error.h"
 #include "volume/run/first_check.h"
@@ -42,47 +45,97 @@ double zero_of(const BatchTally& b, bool up, int c) {
   return (up ? b.energy.zero_up : b.energy.zero_down)[c];
 }
 
-struct SideTotal {
-  Estimate energy;
-  bool has_exact_first = false;
-};
+// The books of one channel. A walk ends in one account, so what walks counted too much in those
+// whose energy is known is missing in the others: every other account is corrected by its
+// regression on that excess. The corrected accounts sum to what is left by the known ones, as the
+// walks' own books are balanced, and an account without noise of its own stays as it is.
+class Books {
+ public:
+  Books(const Simulation& simulation, int c) : batches_(simulation.batches()) {
+    if (simulation.order_one() == OrderOne::walked) return;
+    for (const bool up : {false, true}) sides_.push_back(known_first(simulation, up));
+    const std::optional<double>& uncollided = simulation.closed_first().uncollided;
+    counted_.assign(batches_.size(), 0);
+    double known = 0;
+    for (const bool up : {false, true})
+      if (sides_[up].cells) {
+        known += sides_[up].energy[c].value;
+        for (std::size_t b = 0; b < batches_.size(); ++b)
+          counted_[b] += energies_of(batches_[b], up)[kOne][c];
+      }
+    if (uncollided) {
+      known += *uncollided;
+      for (std::size_t b = 0; b < batches_.size(); ++b)
+        counted_[b] += batches_[b].energy.uncollided[c];
+    }
+    walks_ = sum_over([](const BatchTally& b) { return static_cast<double>(b.walks); });
+    if (walks_ == 0) return;
+    mean_ = std::accumulate(counted_.begin(), counted_.end(), 0.0) / walks_;
+    excess_ = mean_ - known;
+    for (std::size_t b = 0; b < batches_.size(); ++b) spread_ += deviation(b) * deviation(b);
+  }
 
-// What leaves on one side after interfaces alone and after order `from` + 1 and more events.
-Estimate energy_from(const Simulation& simulation, bool up, int from, int c) {
-  return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-    double sum = zero_of(b, up, c);
-    for (int o = from; o < kTallyOrders; ++o) sum += energies_of(b, up)[o][c];
-    return sum;
-  });
-}
-
-// The energy of all orders, with order 1 exact or as walks counted it, whichever has less noise: a
-// walk leaves after one order, so what counts in order 1 is missing in the others, and where little
-// is absorbed the sum of all is known better than its parts.
-SideTotal side_total(const Simulation& simulation, bool up, const KnownFirst& first, int c) {
-  const Estimate counted = energy_from(simulation, up, kOne, c);
-  if (!first.cells) return {counted};
-  const Estimate exact = sum_of(first.energy[c], energy_from(simulation, up, kOne + 1, c));
-  if (exact.standard_error < counted.standard_error) return {exact, true};
-  return {counted};
-}
-
-void reduce_energies(const Simulation& simulation, bool up, const KnownFirst& first,
-                     SideResult& side) {
-  const auto& batches = simulation.batches();
-  for (int c = 0; c < simulation.plan().channels; ++c) {
-    for (int o = 0; o < kTallyOrders; ++o)
-      side.orders[o][c] =
-          batch_estimate(batches, [&](const BatchTally& b) { return energies_of(b, up)[o][c]; });
-    if (first.cells) side.orders[kOne][c] = first.energy[c];
-    side.total[c] = side_total(simulation, up, first, c).energy;
-    side.multiple[c] = batch_estimate(batches, [&](const BatchTally& b) {
-      double sum = 0;
-      for (int o = place(Order::two); o < kTallyOrders; ++o) sum += energies_of(b, up)[o][c];
+  // Of an account that walks counted.
+  template <class SumOf>
+  [[nodiscard]] Estimate estimate(const SumOf& sum_of) const {
+    if (!(spread_ > 0)) return batch_estimate(batches_, sum_of);
+    double together = 0;
+    for (std::size_t b = 0; b < batches_.size(); ++b)
+      together += deviation(b) * sum_of(batches_[b]);
+    const double slope = together / spread_;
+    std::size_t b = 0;
+    // Twice over all batches, in their order.
+    Estimate corrected = batch_estimate(batches_, [&](const BatchTally& batch) {
+      const double sum = sum_of(batch) - slope * deviation(b);
+      b = b + 1 == batches_.size() ? 0 : b + 1;
       return sum;
     });
-    side.zero[c] = batch_estimate(batches, [&](const BatchTally& b) { return zero_of(b, up, c); });
-    side.specular[c] = batch_estimate(batches, [&](const BatchTally& b) {
+    corrected.value -= slope * excess_;
+    return corrected;
+  }
+
+  [[nodiscard]] const KnownFirst* first(bool up) const {
+    return sides_.empty() || !sides_[up].cells ? nullptr : &sides_[up];
+  }
+
+ private:
+  // Of what a batch counted in the known accounts.
+  [[nodiscard]] double deviation(std::size_t b) const {
+    return counted_[b] - mean_ * static_cast<double>(batches_[b].walks);
+  }
+  template <class SumOf>
+  [[nodiscard]] double sum_over(const SumOf& sum_of) const {
+    double sum = 0;
+    for (const BatchTally& b : batches_) sum += sum_of(b);
+    return sum;
+  }
+
+  const std::vector<BatchTally>& batches_;
+  std::vector<KnownFirst> sides_;  // below, above
+  std::vector<double> counted_;
+  double walks_ = 0, mean_ = 0, excess_ = 0, spread_ = 0;
+};
+
+void reduce_energies(const Simulation& simulation, bool up, SideResult& side) {
+  for (int c = 0; c < simulation.plan().channels; ++c) {
+    const Books books(simulation, c);
+    const KnownFirst* first = books.first(up);
+    for (int o = 0; o < kTallyOrders; ++o)
+      side.orders[o][c] =
+          first && o == kOne
+              ? first->energy[c]
+              : books.estimate([&](const BatchTally& b) { return energies_of(b, up)[o][c]; });
+    const auto beyond = [&](int order, bool with_zero) {
+      return books.estimate([&, order, with_zero](const BatchTally& b) {
+        double sum = with_zero ? zero_of(b, up, c) : 0;
+        for (int o = order; o < kTallyOrders; ++o) sum += energies_of(b, up)[o][c];
+        return sum;
+      });
+    };
+    side.multiple[c] = beyond(place(Order::two), false);
+    side.total[c] = first ? sum_of(first->energy[c], beyond(kOne + 1, true)) : beyond(kOne, true);
+    side.zero[c] = books.estimate([&](const BatchTally& b) { return zero_of(b, up, c); });
+    side.specular[c] = books.estimate([&](const BatchTally& b) {
       return (up ? b.energy.specular_up : b.energy.specular_down)[c];
     });
   }
@@ -95,7 +148,7 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
   const auto& batches = simulation.batches();
   const KnownFirst first = known_first(simulation, up);
   SideResult side;
-  reduce_energies(simulation, up, first, side);
+  reduce_energies(simulation, up, side);
   if (!up && !targets.both_sides) return side;
   const int slots = simulation.plan().order_slots();
   for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o) {
@@ -140,31 +193,6 @@ SideResult reduce_side(const Simulation& simulation, bool up) {
   return side;
 }
 
-// Closed forms in the place of what walks found of light that met nothing, and the difference that
-// they and order 1 make to the ledger.
-void replace(const Simulation& simulation, RunResult& run) {
-  const std::array<KnownFirst, 2> sides{known_first(simulation, false),
-                                        known_first(simulation, true)};
-  const std::optional<double>& uncollided = simulation.closed_first().uncollided;
-  for (int c = 0; c < run.channels; ++c) {
-    std::array<bool, 2> replaced{};
-    for (const bool up : {false, true})
-      replaced[up ? 1 : 0] = side_total(simulation, up, sides[up ? 1 : 0], c).has_exact_first;
-    run.replaced[c] = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-      double sum = uncollided ? b.energy.uncollided[c] : 0;
-      for (const bool up : {false, true})
-        if (replaced[up ? 1 : 0]) sum += energies_of(b, up)[kOne][c];
-      return sum;
-    });
-    for (const std::size_t k : {0, 1})
-      if (replaced[k]) run.replaced[c].value -= sides[k].energy[c].value;
-    if (!uncollided) continue;
-    run.replaced[c].value -= *uncollided;
-    run.uncollided[c] = {*uncollided, 0};
-  }
-  run.order_one_p_value = first_check(simulation);
-}
-
 }  // namespace
 
 RunResult reduce(const Simulation& simulation) {
@@ -183,19 +211,22 @@ RunResult reduce(const Simulation& simulation) {
   const bool up = run.incident.z > 0;
   run.reflected = reduce_side(simulation, up);
   run.transmitted = reduce_side(simulation, !up);
-  const auto& batches = simulation.batches();
+  const bool knows_uncollided =
+      run.order_one == OrderOne::exact && simulation.closed_first().uncollided.has_value();
   for (int c = 0; c < run.channels; ++c) {
-    run.uncollided[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.uncollided[c]; });
-    run.absorbed[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.absorbed[c]; });
-    run.lost[c] = batch_estimate(batches, [&](const BatchTally& b) { return b.energy.lost[c]; });
-    run.thinned[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.thinned[c]; });
-    run.unresolved[c] =
-        batch_estimate(batches, [&](const BatchTally& b) { return b.energy.unresolved[c]; });
+    const Books books(simulation, c);
+    const auto account = [&](const auto& of) {
+      return books.estimate([&](const BatchTally& b) { return (b.energy.*of)[c]; });
+    };
+    run.uncollided[c] = knows_uncollided
+                            ? Estimate{simulation.closed_first().uncollided.value_or(0), 0}
+                            : account(&EnergySums::uncollided);
+    run.absorbed[c] = account(&EnergySums::absorbed);
+    run.lost[c] = account(&EnergySums::lost);
+    run.thinned[c] = account(&EnergySums::thinned);
+    run.unresolved[c] = account(&EnergySums::unresolved);
   }
-  if (run.order_one == OrderOne::exact) replace(simulation, run);
+  if (run.order_one == OrderOne::exact) run.order_one_p_value = first_check(simulation);
   return run;
 }
 
@@ -205,12 +236,12 @@ double largest_relative_error(const Simulation& simulation) {
     if (!(e.value <= 1e-3)) largest = larger_error(largest, e.standard_error / e.value);
   };
   for (const bool up : {true, false}) {
-    const KnownFirst first = known_first(simulation, up);
+    SideResult side;
+    reduce_energies(simulation, up, side);
+    const bool known = known_first(simulation, up).cells;
     for (int c = 0; c < simulation.plan().channels; ++c) {
-      for (int o = first.cells ? kOne + 1 : kOne; o < kTallyOrders; ++o)
-        consider(batch_estimate(simulation.batches(),
-                                [&](const BatchTally& b) { return energies_of(b, up)[o][c]; }));
-      consider(side_total(simulation, up, first, c).energy);
+      for (int o = known ? kOne + 1 : kOne; o < kTallyOrders; ++o) consider(side.orders[o][c]);
+      consider(side.total[c]);
     }
   }
   return largest;

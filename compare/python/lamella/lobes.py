@@ -20,8 +20,8 @@ class Energies(Mapping):
     """Shares of the light that comes in, by name: arrays [direction, channel].
 
     Names: ("reflect", "all"), ("transmit", "1"), ..., ("reflect", "specular") (deltas, in "all"
-    too), and "uncollided", "absorbed", "unresolved", "lost", "thinned",
-    "replaced". reflect, transmit and the last six sum to 1.
+    too), and "uncollided", "absorbed", "unresolved", "lost", "thinned". reflect, transmit and the
+    last five sum to 1.
 
     `standard_error[name]`: the standard errors, or the solver's bounds.
     """
