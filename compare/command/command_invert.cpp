@@ -211,8 +211,9 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
   Target target = take_color(values, what);
   const ModelInfo* info =
       what.ends_with(".so") || find_model(what) ? find_or_load_model(what) : nullptr;
-  std::vector<std::filesystem::path> read = objects_among({{what, {}}});
-  if (!target.file.empty()) read.emplace_back(target.file);
+  std::vector<std::filesystem::path> measured, read = objects_among({{what, {}}});
+  if (!target.file.empty()) measured.emplace_back(target.file);
+  read.insert(read.end(), measured.begin(), measured.end());
   InputFiles inputs(Stack{}, read);
   if (!target.file.empty())
     target.color = color_of(target.file, lighting_of(options, closed, nullptr));
@@ -226,7 +227,7 @@ int invert_command(const Options& options, const ClosedFormOptions& closed,
       if (!values.empty())
         throw UsageError(
             fmt::format("{}: key \"{}\": unknown; allowed: albedo", what, values[0].first));
-      inputs = InputFiles(stack, read);
+      inputs = InputFiles(stack, measured);
       answer = invert_stack(stack, target.color, options, closed);
     }
   } catch (const UnreachableColor& error) {

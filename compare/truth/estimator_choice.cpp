@@ -72,13 +72,7 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
     end_where_it_ended(solver, request);
     const auto solution =
         std::make_shared<const DeterministicSolution>(solve_deterministic(stack, solver));
-    const DeterministicAccuracy& reached = solution->accuracy();
-    if (const auto reason = why_no_answer(reached)) refuse_answer(stack, *reason);
-    // Cells of it would take as long once more, and each would be known to no digit.
-    if (reached.limit == DeterministicLimit::time && reached.error >= 1)
-      refuse_answer(stack,
-                    fmt::format("{} s end it with {} nodes and {} modes, which know no digit",
-                                to_text(solver.max_seconds), reached.nodes, reached.modes));
+    if (const auto reason = why_no_answer(solution->accuracy())) refuse_answer(stack, *reason);
     return {Estimator::deterministic, "asked for", solution};
   }
   if (!request.given.empty())

@@ -79,6 +79,7 @@ double first_check(const Simulation& simulation) {
                                     [&](const BatchTally& b) { return b.energy.uncollided[c]; }),
                      *first.uncollided, 0);
   if (!std::isfinite(deviations.largest)) return 0;
+  if (deviations.quantities == 0) return 1;
   const boost::math::students_t students(kBatches - 1.0);
   const double tail = boost::math::cdf(boost::math::complement(students, deviations.largest));
   return std::min(1.0, 2 * tail * deviations.quantities);
