@@ -33,6 +33,10 @@ StackBeam beam_of(const std::vector<StackElement>& elements, Direction w, bool r
   for (std::size_t p = 0; p <= n; ++p)
     beam.mu[p] = snell_cosine(std::abs(w.z), from_above ? top : bottom,
                               p == 0 ? top : elements[p - 1].below);
+  // Where light comes from, as media see it: interfaces keep the azimuth, and light that leaves
+  // along w comes from the other side.
+  const double across = std::hypot(w.x, w.y), sign = reversed ? -1 : 1;
+  const double x = across > 0 ? sign * w.x / across : 1, y = across > 0 ? sign * w.y / across : 0;
   struct Crossing {
     double reflected, down, up;
   };
@@ -42,8 +46,8 @@ StackBeam beam_of(const std::vector<StackElement>& elements, Direction w, bool r
     if (const Layer* layer = elements[e].layer) {
       if (mu > 0) {
         const double sine = std::sqrt((1 - mu) * (1 + mu)), z = reversed ? -mu : mu;
-        beam.rate_down[e] = sigma(layer->medium, {sine, 0, z}) / mu;
-        beam.rate_up[e] = sigma(layer->medium, {sine, 0, -z}) / mu;
+        beam.rate_down[e] = sigma(layer->medium, {sine * x, sine * y, z}) / mu;
+        beam.rate_up[e] = sigma(layer->medium, {sine * x, sine * y, -z}) / mu;
       }
       const auto crosses = [&](double rate) {
         return mu > 0 && rate > 0 ? std::exp(-rate * layer->depth()) : mu > 0 ? 1.0 : 0.0;

@@ -35,6 +35,13 @@ std::vector<Stack> first_stacks() {
                           "[substrate]\nalbedo = [0.5, 0.9, 0.2]\n"),
       testing::stack_from(testing::layer("interface = 'smooth'\nior = 1.5") +
                           testing::layer("medium = 'lambert_sphere'\nthickness = 1") +
+                          "[substrate]\nalbedo = 0.5\n"),
+      // Under an interface the beams cross media that see their azimuth, and their side.
+      testing::stack_from(testing::layer("interface = 'smooth'\nior = 1.3") +
+                          testing::layer("medium = 'sggx'\nshape = 'fiber'\nroughness = 0.5\n"
+                                         "axis = [1, 2, 0.4]\nthickness = 1") +
+                          testing::layer("medium = 'vmf_flake'\nflake = 'mirror'\nroughness = "
+                                         "0.8\naxis = [-1, 0.5, 1]\nthickness = 0.5") +
                           "[substrate]\nalbedo = 0.5\n")};
 }
 
