@@ -70,12 +70,12 @@ class GroundTruth {
   FirstLook look_;
 };
 
-/// Why a result whose order 1 is exact is at fault: the walks' own order 1 has another mean.
+/// Why a result keeps its walks' own order 1: its closed form has another mean. One is at fault.
 [[nodiscard]] std::optional<std::string> why_order_one_is_wrong(const RunResult& run);
 
-/// Runs walks until the rule says stop and reduces them. Throws NoAnswerError where
-/// why_order_one_is_wrong. `label`: of the run, for the monitor,
-/// which is warned where the walks ran out before the target error was reached.
+/// Runs walks until the rule says stop and reduces them. `label`: of the run, for the monitor,
+/// which is warned where the walks ran out before the target error was reached, and where order 1
+/// stays as walked (why_order_one_is_wrong).
 [[nodiscard]] RunResult run_walks(Simulation& simulation, const StopRule& rule,
                                   const std::string& label, const RunMonitor& monitor);
 

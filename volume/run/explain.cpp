@@ -54,6 +54,14 @@ void explain_grid(const Layer& layer, const DensityGrid& grid, std::size_t k,
                      "a medium per roughness is kept"});
 }
 
+PlanNote ensemble_note(const Stack& stack) {
+  return {"ensemble",
+          fmt::format("a new realisation every {} walks of a batch, turned by a random angle",
+                      GrainSetting(stack, {0, 0, 1}, 1, 1).walks_per_realisation),
+          "standard errors come from the scatter across realisations; light enters over the whole "
+          "tile"};
+}
+
 void explain_height_field(const Stack& stack, const GrainGeometry& field,
                           std::vector<PlanNote>& notes) {
   notes.push_back({"geometry",
@@ -62,12 +70,7 @@ void explain_height_field(const Stack& stack, const GrainGeometry& field,
                                field.expected_count(), field.tile),
                    "heights are Gaussian, and neighbours share them; Smith's surface (scattering = "
                    "\"multiple\") has the same slopes at heights of their own"});
-  notes.push_back({"ensemble",
-                   fmt::format("a new realisation every {} walks of a batch, turned by a random "
-                               "angle",
-                               GrainSetting(stack, {0, 0, 1}, 1, 1).walks_per_realisation),
-                   "standard errors come from the scatter across realisations; light enters over "
-                   "the whole tile"});
+  notes.push_back(ensemble_note(stack));
   notes.push_back({"below", "no transmission tallies", "nothing passes the surface"});
   notes.push_back({"reciprocity", "of reflection", "of the mean over realisations"});
 }
@@ -81,12 +84,7 @@ void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector
                    stack.layers[0].medium_name, grains.expected_count(), grains.tile),
        "no medium stands for them; what a path meets twice because of the period is of the order "
        "of one grain in all of the tile's"});
-  notes.push_back({"ensemble",
-                   fmt::format("a new realisation every {} walks of a batch, turned by a random "
-                               "angle",
-                               GrainSetting(stack, {0, 0, 1}, 1, 1).walks_per_realisation),
-                   "standard errors come from the scatter across realisations; light enters over "
-                   "the whole tile"});
+  notes.push_back(ensemble_note(stack));
   if (stack.substrate)
     notes.push_back(
         {"below",

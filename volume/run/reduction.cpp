@@ -93,12 +93,8 @@ class Books {
       together +=
           deviation(b) * (sum_of(batches_[b]) - share * static_cast<double>(batches_[b].walks));
     const double slope = together / spread_;
-    std::size_t b = 0;
-    // Twice over all batches, in their order.
     Estimate corrected = batch_estimate(batches_, [&](const BatchTally& batch) {
-      const double sum = sum_of(batch) - slope * deviation(b);
-      b = b + 1 == batches_.size() ? 0 : b + 1;
-      return sum;
+      return sum_of(batch) - slope * deviation(static_cast<std::size_t>(&batch - batches_.data()));
     });
     corrected.value += exact.value - slope * excess_;
     // What a closed form is wrong by is in its own account and, the other way, in the excess.
