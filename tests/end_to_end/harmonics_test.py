@@ -37,10 +37,30 @@ class Harmonics(ProgramTest):
         self.write("narrow.toml", NARROW)
         answer = self.lamella("explain", "narrow.toml").out
         self.assertIn("narrowly", answer)
-        self.write("coated.toml", '[[layer]]\ninterface = "smooth"\nior = 1.5\n' + FABRIC)
+        self.write("coated.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\n'
+                   'roughness = [0.1, 0.2]\n' + FABRIC)
         answer = self.lamella("simulate", "coated.toml", "--estimator", "deterministic", status=2)
-        self.assertIn("interfaces", answer.err)
+        self.assertIn("differs along x and y", answer.err)
         self.assertEqual(len(answer.err.splitlines()), 1)
+
+    def test_a_coat_is_solved_with_what_lies_under_it(self):
+        self.write("coated.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\nroughness = 0.4\n' +
+                   FABRIC + '[substrate]\nbsdf = "lambert"\nalbedo = 0.5\n')
+        quick = ("coated.toml", "--wi", "45,30", "--grid", "3x6", "--quiet")
+        [run] = self.json_of("simulate", *quick, "--tolerance", "2e-2", "--estimator",
+                             "deterministic")["runs"]
+        [walked] = self.json_of("simulate", *quick, "--walks", "2e5")["runs"]
+        errors = walked["reflected"]["standard_error"]
+        for c in range(3):
+            allowed = 5 * errors[c] + 1e-4
+            self.assertLess(abs(run["lost"][c] - walked["lost"][c]),
+                            5 * walked["lost_standard_error"][c] + 1e-4)
+            self.assertLess(abs(run["absorbed"][c] - walked["absorbed"][c]), 2 * allowed)
+            self.assertLess(abs(run["reflected"]["total"][c] - walked["reflected"]["total"][c]),
+                            allowed)
+            for order in ("0", "1", "2"):
+                x, y = (r["reflected"]["orders"][order]["total"][c] for r in (run, walked))
+                self.assertLess(abs(x - y), allowed, order)
 
     def test_values_at_pairs_are_those_of_walks(self):
         self.write("fabric.toml", FABRIC)

@@ -27,12 +27,19 @@ std::vector<double> indices_of(const Stack& stack) {
 PileModes::PileModes(const Stack& stack, int channel, int nodes,
                      std::span<const AskedCosine> asked_out, std::span<const AskedCosine> asked_in,
                      int orders, Isa isa)
-    : stack_(stack), channel_(channel), orders_(orders), isa_(isa) {
+    : PileModes(stack, channel, nodes, asked_out, asked_in, orders, isa,
+                {0, stack.layers.size(), stack.substrate.has_value()}) {}
+
+PileModes::PileModes(const Stack& stack, int channel, int nodes,
+                     std::span<const AskedCosine> asked_out, std::span<const AskedCosine> asked_in,
+                     int orders, Isa isa, PileRange range)
+    : stack_(stack), channel_(channel), orders_(orders), isa_(isa), range_(range) {
   const RefractiveNodes refractive{indices_of(stack), nodes, grazing_map(stack)};
   for (const double index : refractive.indices)
     sets_.emplace_back(refractive, index, asked_out, asked_in);
-  top_ = bottom_ = &sets_of(1);
-  for (const Layer& layer : stack.layers) {
+  top_ = bottom_ = &sets_of(stack.index_of(range.begin));
+  for (std::size_t k = range.begin; k < range.end; ++k) {
+    const Layer& layer = stack.layers[k];
     if (layer.interface) {
       const DirectionSets& below = sets_of(layer.interface->ior);
       if (&below != bottom_)
@@ -41,9 +48,9 @@ PileModes::PileModes(const Stack& stack, int channel, int nodes,
       continue;
     }
     if (layer.depth() == 0) continue;
-    const auto kind = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) {
-      return k.sets == bottom_ && k.layer->albedo[channel] == layer.albedo[channel] &&
-             k.layer->f0[channel] == layer.f0[channel] && k.layer->medium == layer.medium;
+    const auto kind = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& other) {
+      return other.sets == bottom_ && other.layer->albedo[channel] == layer.albedo[channel] &&
+             other.layer->f0[channel] == layer.f0[channel] && other.layer->medium == layer.medium;
     });
     const std::size_t kind_index = kind - kinds_.begin();
     if (kind == kinds_.end()) kinds_.push_back({&layer, bottom_, std::nullopt});
@@ -102,7 +109,7 @@ void PileModes::make_kernels(int modes) {
     crossing_.emplace(*upper.interface, *lower.interface, *top_, *upper.below, *bottom_,
                       std::move(layers), ready_);
   }
-  if (stack_.substrate && stack_.substrate->law) {
+  if (range_.has_ground && stack_.substrate->law) {
     ground_.reset();
     ground_.emplace(stack_.substrate->law, channel_, *bottom_, ready_);
   }
@@ -119,12 +126,13 @@ std::size_t PileModes::bytes_of(int modes) const {
     if (e.interface && e.interface->facets.shape != FacetShape::smooth)
       entries += pairs(*e.above, *e.above) + pairs(*e.above, *e.below) + pairs(*e.below, *e.above) +
                  pairs(*e.below, *e.below);
-  if (stack_.substrate && stack_.substrate->law) entries += pairs(*bottom_, *bottom_);
+  if (range_.has_ground && stack_.substrate->law) entries += pairs(*bottom_, *bottom_);
   return entries * static_cast<std::size_t>(modes) * sizeof(double);
 }
 
 bool PileModes::is_rough_plate() const {
   if (stack_.substrate || elements_.size() < 2) return false;
+  if (range_.begin > 0 || range_.end < stack_.layers.size()) return false;
   const auto is_rough = [](const Element& e) {
     return e.interface && e.interface->facets.shape != FacetShape::smooth;
   };
@@ -182,7 +190,7 @@ PileOperator PileModes::pile(int m) const {
   const auto made = [&](const Element& e) { return e.slab ? solved[*e.slab] : element(e, m); };
   if (elements_.empty()) return ground(m);
   std::size_t k = elements_.size();
-  PileOperator pile = stack_.substrate ? ground(m) : made(elements_[--k]);
+  PileOperator pile = range_.has_ground ? ground(m) : made(elements_[--k]);
   while (k-- > 0) pile = add_piles(made(elements_[k]), pile, rules);
   return pile;
 }

@@ -11,6 +11,12 @@
 
 namespace lamella {
 
+/// Entries [begin, end) of a stack's layers, and whether its substrate lies below them.
+struct PileRange {
+  std::size_t begin, end;
+  bool has_ground;
+};
+
 /// The operator of a stack with boundaries (Stack::has_boundaries), mode by mode: layers by
 /// doubling, each on the nodes of its medium, and boundaries between them.
 class PileModes : public StackSolver {
@@ -19,12 +25,18 @@ class PileModes : public StackSolver {
   /// many of the orders 1 to 3 to keep apart.
   PileModes(const Stack& stack, int channel, int nodes, std::span<const AskedCosine> asked_out,
             std::span<const AskedCosine> asked_in, int orders, Isa isa);
+  /// Of a part of a stack alone, on the directions that serve all of it. A part that is empty has a
+  /// ground.
+  PileModes(const Stack& stack, int channel, int nodes, std::span<const AskedCosine> asked_out,
+            std::span<const AskedCosine> asked_in, int orders, Isa isa, PileRange range);
 
   void prepare(int modes) override;
   bool prepare_more(std::size_t max_bytes) override;
   [[nodiscard]] int ready() const override { return ready_; }
   [[nodiscard]] std::size_t bytes() const override { return bytes_of(ready_); }
   [[nodiscard]] AskedMode asked_mode(int m) const override;
+  /// One mode between all directions, nodes and those that were asked for.
+  [[nodiscard]] PileOperator operator_at(int m) const { return pile(m); }
 
  private:
   // A medium at one albedo in one index of refraction.
@@ -60,6 +72,7 @@ class PileModes : public StackSolver {
   const Stack& stack_;
   int channel_, orders_;
   Isa isa_;
+  PileRange range_;
   int ready_ = 0;
   std::deque<DirectionSets> sets_;  // by index of refraction
   const DirectionSets *top_, *bottom_;

@@ -16,7 +16,8 @@ struct BeamQuadrature {
   /// along: unit, where the light goes. points: of each part of a ray; rays: their number
   /// about a steep beam, more where it grazes. Harmonics of degree 12 are integrated to 1e-9 by 40
   /// points and 96 rays at any cosine from 1e-6 on.
-  BeamQuadrature(Direction along, int points, int rays);
+  /// cuts: positive cosines that rays are cut at, too, on either side of the horizon.
+  BeamQuadrature(Direction along, int points, int rays, const std::vector<double>& cuts = {});
 };
 
 }  // namespace lamella

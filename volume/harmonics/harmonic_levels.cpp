@@ -30,8 +30,8 @@ void HarmonicLevels::add(HarmonicLevel level) {
   for (std::size_t c = 0; c < channels; ++c)
     for (std::size_t i = 0; i < directions; ++i)
       for (const bool up : {true, false})
-        if (!now_.answers[c][i].sides[up ? 0 : 1].value[0].empty())
-          for (int part = 0; part < kHarmonicParts; ++part)
+        for (int part = 0; part < kHarmonicParts; ++part)
+          if (!now_.answers[c][i].sides[up ? 0 : 1].value[part].empty())
             compare(static_cast<int>(c), i, up, part);
 }
 
@@ -45,7 +45,8 @@ void HarmonicLevels::compare(int channel, std::size_t i, bool up, int part) {
     double sum = 0, square = 0, worst = 0;
     for (int column = 0; column < grid_.columns(); ++column) {
       const int cell = row * grid_.columns() + column;
-      for (int k = 0; k < kHarmonicOrders; ++k) sum += std::abs(cells.value[k][cell]);
+      for (const int k : kSummedParts)
+        if (!cells.value[k].empty()) sum += std::abs(cells.value[k][cell]);
       const double before = before_.answers.empty()
                                 ? 0
                                 : before_.answers[channel][i].sides[up ? 0 : 1].value[part][cell];
@@ -64,6 +65,7 @@ void HarmonicLevels::compare(int channel, std::size_t i, bool up, int part) {
 double HarmonicLevels::error(int channel, std::size_t i, bool up, int cell, int part) const {
   const int side = up ? 0 : 1;
   const HarmonicCells& cells = now_.answers[channel][i].sides[side];
+  if (cells.value[part].empty()) return 0;
   const double before =
       before_.answers.empty() ? 0 : before_.answers[channel][i].sides[side].value[part][cell];
   const Change& change = this->change(channel, i, up, part);

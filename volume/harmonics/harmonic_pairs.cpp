@@ -8,10 +8,11 @@
 #include <stdexcept>
 
 #include "phase/math/larger_error.h"
-#include "phase/stack/single_scattering.h"
+#include "volume/harmonics/bounded_solution.h"
 #include "volume/harmonics/harmonic_degrees.h"
 #include "volume/harmonics/harmonic_solution.h"
 #include "volume/harmonics/mirror_pairs.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/distinct_channels.h"
 
 namespace lamella {
@@ -19,14 +20,20 @@ namespace {
 
 constexpr double kShareOfMirrors = 0.1;  // of the tolerance
 constexpr double kSafetyOfChange = 3, kLeastStillAhead = 0.1;
-// Parts of HarmonicSolution::f that count: orders 3, 4+, and 2 without pairs of mirrors.
-constexpr std::array<int, 3> kSummed{1, 2, kWithoutPairs};
+// Pairs through boundaries that one solution serves, at most: each direction has a row in the
+// operators of all that lies around the layers.
+constexpr std::size_t kMostBounded = 256;
 
 class PairRefinement {
  public:
   PairRefinement(const Stack& stack, std::span<const std::pair<Direction, Direction>> pairs,
                  const HarmonicOptions& options)
-      : stack_(stack), options_(options), mirrors_(stack, options.isa) {
+      : stack_(stack),
+        options_(options),
+        is_bounded_(stack.has_boundaries()),
+        summed_(is_bounded_ ? std::vector<int>(kSummedParts.begin(), kSummedParts.end())
+                            : std::vector<int>{1, 2, kWithoutPairs}),
+        mirrors_(stack, options.isa) {
     for (const auto& [wi, wo] : pairs) {
       pairs_.emplace_back(solvable(wi), with_grazing_limit(wo));
       lowest_ = std::min(lowest_, std::abs(pairs_.back().first.z));
@@ -98,30 +105,68 @@ class PairRefinement {
   void solve(int degree, const std::atomic<bool>* stop) {
     std::vector<std::vector<Parts>> next(channels_.size(), std::vector<Parts>(pairs_.size()));
     for (std::size_t n = 0; n < channels_.size(); ++n) {
-      const HarmonicTransport transport(
-          stack_, channels_[n],
-          resolution_of(degree, levels_, lowest_, options_.tolerance, options_.isa, stop));
-      std::optional<HarmonicSolution> solution;
-      Direction solved{};
-      for (std::size_t k = 0; k < order_.size(); ++k) {
-        const auto& [wi, wo] = pairs_[order_[k]];
-        // Nothing leaves through a closed bottom.
-        if (wo.z < 0 && !stack_.is_open_below()) continue;
-        if (!solution || !(solved == wi)) solution.emplace(transport, wi);
-        solved = wi;
-        next[n][order_[k]] = solution->f(wo);
-      }
+      const HarmonicResolution resolution =
+          resolution_of(degree, levels_, lowest_, options_.tolerance, options_.isa, stop);
+      if (is_bounded_)
+        solve_bounded(channels_[n], resolution, next[n]);
+      else
+        solve_open(channels_[n], resolution, next[n]);
     }
     before_ = std::move(now_);
     now_ = std::move(next);
     ++levels_;
   }
 
+  void solve_open(int channel, const HarmonicResolution& resolution,
+                  std::vector<Parts>& answers) const {
+    const HarmonicTransport transport(stack_, channel, resolution);
+    std::optional<HarmonicSolution> solution;
+    Direction solved{};
+    for (const std::size_t k : order_) {
+      const auto& [wi, wo] = pairs_[k];
+      // Nothing leaves through a closed bottom.
+      if (wo.z < 0 && !stack_.is_open_below()) continue;
+      if (!solution || !(solved == wi)) solution.emplace(transport, wi);
+      solved = wi;
+      answers[k] = solution->f(wo);
+    }
+  }
+
+  void solve_bounded(int channel, const HarmonicResolution& resolution,
+                     std::vector<Parts>& answers) const {
+    const double bottom = stack_.index_of(stack_.layers.size());
+    std::vector<AskedCosine> asked;
+    std::vector<Direction> incident;
+    for (const std::size_t k : order_) {
+      const auto& [wi, wo] = pairs_[k];
+      asked.push_back({std::abs(wo.z), wo.z > 0 ? 1 : bottom});
+      if (incident.empty() || !(incident.back() == wi)) incident.push_back(wi);
+    }
+    const BoundedTransport transport(stack_, channel, resolution, asked, incident);
+    std::optional<BoundedSolution> solution;
+    std::size_t beams = 0;
+    for (std::size_t place = 0; place < order_.size(); ++place) {
+      const auto& [wi, wo] = pairs_[order_[place]];
+      if (!solution || !(incident[beams - 1] == wi)) {
+        solution.emplace(transport, beams, wi);
+        ++beams;
+      }
+      if (wo.z < 0 && !stack_.is_open_below()) continue;
+      const double phi[] = {azimuth(wo)};
+      const auto parts = solution->f(wo.z > 0, place, 1, phi);
+      for (int part = 0; part < kHarmonicParts; ++part)
+        answers[order_[place]][part] = parts[part].size() > 0 ? parts[part](0, 0) : 0;
+    }
+  }
+
   void solve_exact() {
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       const auto& [wi, wo] = pairs_[p];
-      const SingleScattering one = single_scattering(stack_, wi, wo);
-      Exact exact{one.layers + one.substrate, 0};
+      Exact exact{closed_orders(stack_, wi, wo).all(), 0};
+      if (is_bounded_) {
+        exact_.push_back(exact);
+        continue;
+      }
       double least = 1e300;
       for (int c = 0; c < 3; ++c) {
         double sum = exact.f[c];
@@ -138,7 +183,7 @@ class PairRefinement {
 
   [[nodiscard]] double value(std::size_t p, int c) const {
     double sum = exact_[p].f[c];
-    for (const int part : kSummed) sum += now_[channel_of_[c]][p][part];
+    for (const int part : summed_) sum += now_[channel_of_[c]][p][part];
     return sum;
   }
   [[nodiscard]] double changed(std::size_t p, int c, int part) const {
@@ -147,14 +192,14 @@ class PairRefinement {
   }
   [[nodiscard]] double error(std::size_t p, int c) const {
     double sum = exact_[p].error;
-    for (const int part : kSummed)
+    for (const int part : summed_)
       sum += ahead_[part] * std::max(changed(p, c, part), mean_[part] * std::abs(value(p, c)));
     return sum;
   }
 
   // The worst bound, relative to its value.
   [[nodiscard]] double judge() {
-    for (const int part : kSummed) {
+    for (const int part : summed_) {
       const double last = mean_[part];
       double square = 0;
       for (std::size_t p = 0; p < pairs_.size(); ++p)
@@ -176,11 +221,13 @@ class PairRefinement {
   }
 
   struct Exact {
-    Rgb f;  // order 1 and what mirrors scatter twice
+    Rgb f;  // ClosedOrders and, without boundaries, what mirrors scatter twice
     double error;
   };
   const Stack& stack_;
   HarmonicOptions options_;
+  bool is_bounded_;
+  std::vector<int> summed_;  // parts of a solution that count beside what is exact
   MirrorPairs mirrors_;
   std::vector<std::pair<Direction, Direction>> pairs_;
   std::vector<std::size_t> order_;
@@ -201,7 +248,30 @@ std::vector<HarmonicPair> harmonic_pairs(const Stack& stack,
                                          DeterministicAccuracy& accuracy) {
   if (const auto reason = why_not_harmonic(stack)) throw std::invalid_argument(*reason);
   if (pairs.empty()) return {};
-  return PairRefinement(stack, pairs, options).run(accuracy);
+  if (!stack.has_boundaries() || pairs.size() <= kMostBounded)
+    return PairRefinement(stack, pairs, options).run(accuracy);
+  std::vector<HarmonicPair> answers;
+  DeterministicAccuracy all;
+  all.reached = true;
+  for (std::size_t begin = 0; begin < pairs.size(); begin += kMostBounded) {
+    HarmonicOptions rest = options;
+    rest.max_seconds = std::max(0.0, options.max_seconds - all.seconds);
+    const auto some =
+        PairRefinement(stack, pairs.subspan(begin, std::min(kMostBounded, pairs.size() - begin)),
+                       rest)
+            .run(accuracy);
+    answers.insert(answers.end(), some.begin(), some.end());
+    const double seconds = all.seconds + accuracy.seconds;
+    if (begin == 0 || !(accuracy.error <= all.error)) {
+      const bool reached = all.reached;
+      all = accuracy;
+      all.reached = reached;
+    }
+    all.seconds = seconds;
+    all.reached = all.reached && accuracy.reached;
+  }
+  accuracy = all;
+  return answers;
 }
 
 }  // namespace lamella

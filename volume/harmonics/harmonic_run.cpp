@@ -6,11 +6,12 @@
 #include <stdexcept>
 
 #include "phase/math/larger_error.h"
-#include "phase/stack/single_scattering.h"
+#include "volume/harmonics/bounded_cells.h"
 #include "volume/harmonics/harmonic_degrees.h"
 #include "volume/harmonics/harmonic_levels.h"
 #include "volume/harmonics/pair_cells.h"
 #include "volume/solver/closed_cells.h"
+#include "volume/solver/closed_orders.h"
 #include "volume/solver/distinct_channels.h"
 
 namespace lamella {
@@ -36,6 +37,8 @@ class Refinement {
         plan_(plan),
         grid_(grid),
         options_(options),
+        is_bounded_(stack.has_boundaries()),
+        is_first_closed_(is_first_closed(stack)),
         pairs_(stack, options.isa),
         levels_(grid),
         pair_means_(2 * incident.size(),
@@ -93,20 +96,43 @@ class Refinement {
   void solve_level(int degree, const std::atomic<bool>* stop) {
     HarmonicLevel next{degree, {}};
     for (const int channel : channels_) {
-      const HarmonicTransport transport(
-          stack_, channel,
-          resolution_of(degree, levels_.count(), lowest_, options_.tolerance, options_.isa, stop));
-      next.answers.emplace_back();
-      for (const Direction wi : incident_) {
-        report(degree);
-        const HarmonicSolution solution(transport, wi);
-        HarmonicAnswer answer{solution.energies(), {}};
-        for (const bool up : {true, false})
-          if (sees(wi, up)) answer.sides[up ? 0 : 1] = solution.cells(grid_, up);
-        next.answers.back().push_back(std::move(answer));
-      }
+      const HarmonicResolution resolution =
+          resolution_of(degree, levels_.count(), lowest_, options_.tolerance, options_.isa, stop);
+      if (is_bounded_)
+        solve_bounded(channel, resolution, next);
+      else
+        solve_open(channel, resolution, next);
     }
     levels_.add(std::move(next));
+  }
+
+  void solve_open(int channel, const HarmonicResolution& resolution, HarmonicLevel& level) const {
+    const HarmonicTransport transport(stack_, channel, resolution);
+    level.answers.emplace_back();
+    for (const Direction wi : incident_) {
+      report(resolution.degree);
+      const HarmonicSolution solution(transport, wi);
+      HarmonicAnswer answer{solution.energies(), {}};
+      for (const bool up : {true, false})
+        if (sees(wi, up)) answer.sides[up ? 0 : 1] = solution.cells(grid_, up);
+      level.answers.back().push_back(std::move(answer));
+    }
+  }
+
+  void solve_bounded(int channel, const HarmonicResolution& resolution,
+                     HarmonicLevel& level) const {
+    const CellCosines cosines(grid_, stack_);
+    const BoundedTransport transport(stack_, channel, resolution, cosines.asked(), incident_);
+    level.answers.emplace_back();
+    for (std::size_t i = 0; i < incident_.size(); ++i) {
+      report(resolution.degree);
+      const BoundedSolution solution(transport, i, incident_[i]);
+      HarmonicAnswer answer{solution.energies(), {}};
+      for (const bool up : {true, false})
+        if (sees(incident_[i], up))
+          answer.sides[up ? 0 : 1] = cosines.means(solution, up, azimuth(incident_[i]));
+      level.answers.back().push_back(std::move(answer));
+    }
   }
 
   void report(int degree) const {
@@ -118,20 +144,17 @@ class Refinement {
   }
 
   [[nodiscard]] bool sees(Direction wi, bool up) const {
-    return up == (wi.z > 0) || plan_.transmits;
+    return up == (wi.z > 0) || (plan_.transmits && (up || is_open_below_));
   }
 
-  // Order 1 in closed form, to a share of the tolerance.
+  // What is closed (ClosedOrders), to a share of the tolerance.
   void solve_first() {
     for (std::size_t i = 0; i < incident_.size(); ++i)
       for (const bool up : {true, false}) {
         first_.emplace_back();
         if (!sees(incident_[i], up)) continue;
         const Direction wi = incident_[i];
-        const auto order = [&](Direction wo) {
-          const SingleScattering f = single_scattering(stack_, wi, wo);
-          return f.layers + f.substrate;
-        };
+        const auto order = [&](Direction wo) { return closed_orders(stack_, wi, wo).all(); };
         std::vector<Rgb> allowed(grid_.rows());
         for (int row = 0; row < grid_.rows(); ++row) {
           Rgb sum;
@@ -148,13 +171,14 @@ class Refinement {
       }
   }
 
-  // Of orders 2 and up.
+  // Of all that is not closed.
   [[nodiscard]] double row_mean(int channel, std::size_t i, bool up, int row) const {
     const HarmonicCells& cells = levels_.last().answers[channel][i].sides[up ? 0 : 1];
     double sum = 0;
-    for (int column = 0; column < grid_.columns(); ++column)
-      for (const std::vector<double>& order : cells.value)
-        sum += order[row * grid_.columns() + column];
+    for (const int part : kSummedParts)
+      if (!cells.value[part].empty())
+        for (int column = 0; column < grid_.columns(); ++column)
+          sum += cells.value[part][row * grid_.columns() + column];
     return sum / grid_.columns();
   }
 
@@ -167,10 +191,11 @@ class Refinement {
     return pair_means_[2 * i + (up ? 0 : 1)][cell];
   }
 
-  // Order 2, 3 or 4+ (0, 1, 2) of a cell.
+  // One of kSummedParts of a cell; 0 where there is none.
   [[nodiscard]] double value_of(int c, std::size_t i, bool up, int cell, int order) const {
     const HarmonicCells& cells = levels_.last().answers[channel_of_[c]][i].sides[up ? 0 : 1];
     const auto& pairs = pairs_of(i, up, cell);
+    if (cells.value[order].empty()) return 0;
     if (order > 0 || !pairs) return cells.value[order][cell];
     return cells.value[kWithoutPairs][cell] + pairs->value[c];
   }
@@ -192,7 +217,7 @@ class Refinement {
   // of the tolerance, unless that is in too many cells. if_enough: only if that is all that is
   // missing.
   bool solve_pairs(bool if_enough) {
-    if (pairs_.is_empty()) return false;
+    if (is_bounded_ || pairs_.is_empty()) return false;
     struct Side {
       std::size_t i;
       bool up;
@@ -271,8 +296,7 @@ class Refinement {
       for (int column = 0; column < grid_.columns(); ++column) {
         const int cell = row * grid_.columns() + column;
         double sum = first_of(i, up)[cell].error[c];
-        for (int order = 0; order < kHarmonicOrders; ++order)
-          sum += error_of(c, i, up, cell, order);
+        for (const int part : kSummedParts) sum += error_of(c, i, up, cell, part);
         error = larger_error(error, sum);
       }
       const double scale = scale_of(c, i, up, row);
@@ -310,6 +334,10 @@ class Refinement {
       for (int c = 0; c < plan_.channels; ++c) {
         const HarmonicEnergies& e = energies_of(c, i);
         run.uncollided[c] = {e.uncollided, 0};
+        if (e.lost > 0)
+          run.lost[c] = {e.lost, levels_.bound_of(channel_of_[c], i, [](const HarmonicEnergies& x) {
+                           return x.lost;
+                         })};
         run.absorbed[c] = {e.absorbed,
                            levels_.bound_of(channel_of_[c], i,
                                             [](const HarmonicEnergies& x) { return x.absorbed; })};
@@ -323,6 +351,7 @@ class Refinement {
   }
 
   void fill_energies(SideResult& side, std::size_t i, bool up) const {
+    const bool is_reflected = up == (incident_[i].z > 0);
     for (int c = 0; c < plan_.channels; ++c) {
       const int channel = channel_of_[c];
       const auto of = [&](const auto& energy) {
@@ -339,39 +368,57 @@ class Refinement {
         return sum;
       });
       side.total[c] = of([&](const HarmonicEnergies& e) {
-        double sum = 0;
+        double sum = (up ? e.zero_up : e.zero_down) + (is_reflected ? e.mirrored : 0);
         for (const double x : up ? e.up : e.down) sum += x;
         return sum;
       });
+      side.zero[c] = of([&](const HarmonicEnergies& e) {
+        return (up ? e.zero_up : e.zero_down) + (is_reflected ? e.mirrored : 0);
+      });
+      if (is_reflected) side.specular[c] = {energies_of(c, i).mirrored, 0};
     }
   }
 
   void fill_lobes(SideResult& side, std::size_t i, bool up) const {
     const int cells = grid_.cells();
     for (int lobe = 0; lobe < kLobeOrders; ++lobe) {
-      if (lobe == place(Order::zero) || lobe == place(Order::scattered)) continue;
+      if (is_first_closed_ && (lobe == place(Order::zero) || lobe == place(Order::scattered)))
+        continue;
       side.lobes[lobe].value.assign(static_cast<std::size_t>(plan_.channels) * cells, 0);
       side.lobes[lobe].standard_error = side.lobes[lobe].value;
     }
     for (int c = 0; c < plan_.channels; ++c)
       for (int cell = 0; cell < cells; ++cell) {
         const std::size_t at = static_cast<std::size_t>(c) * cells + cell;
-        const CellMean& first = first_of(i, up)[cell];
-        side.lobes[0].value[at] = first.value[c];
-        side.lobes[0].standard_error[at] = first.error[c];
-        double all = first.value[c], error = first.error[c];
+        const auto put = [&](Order order, Estimate e) {
+          side.lobes[order].value[at] = e.value;
+          side.lobes[order].standard_error[at] = e.standard_error;
+        };
+        const auto part = [&](int which) {
+          return Estimate{value_of(c, i, up, cell, which), error_of(c, i, up, cell, which)};
+        };
+        const auto sum = [](Estimate a, Estimate b) {
+          return Estimate{a.value + b.value, a.standard_error + b.standard_error};
+        };
+        const CellMean& mean = first_of(i, up)[cell];
+        const Estimate closed{mean.value[c], mean.error[c]};
+        // What is closed is order 1, or of order 0 where a boundary is rough.
+        const Estimate first = is_first_closed_ ? closed : part(kFirstPart);
+        Estimate multiple;
         for (int order = 0; order < kHarmonicOrders; ++order) {
-          const double value = value_of(c, i, up, cell, order);
-          const double bound = error_of(c, i, up, cell, order);
-          side.lobes[order + 1].value[at] = value;
-          side.lobes[order + 1].standard_error[at] = bound;
-          all += value;
-          error += bound;
+          put(static_cast<Order>(order + 1), part(order));
+          multiple = sum(multiple, part(order));
         }
-        side.lobes[Order::all].value[at] = all;
-        side.lobes[Order::all].standard_error[at] = error;
-        side.lobes[Order::multiple].value[at] = all - first.value[c];
-        side.lobes[Order::multiple].standard_error[at] = error - first.error[c];
+        put(Order::one, first);
+        put(Order::multiple, multiple);
+        Estimate all = sum(first, multiple);
+        if (!is_first_closed_) {
+          const Estimate zero = sum(closed, part(kZeroPart));
+          put(Order::scattered, all);
+          put(Order::zero, zero);
+          all = sum(all, zero);
+        }
+        put(Order::all, all);
       }
   }
 
@@ -379,6 +426,8 @@ class Refinement {
   const Plan& plan_;
   CellGrid grid_;
   HarmonicOptions options_;
+  bool is_bounded_, is_first_closed_;
+  bool is_open_below_ = stack_.is_open_below();
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<Direction> incident_;
   double lowest_ = 1;
@@ -386,7 +435,7 @@ class Refinement {
   std::array<int, 3> channel_of_{};
   MirrorPairs pairs_;
   HarmonicLevels levels_;
-  std::vector<std::vector<CellMean>> first_;  // by direction, up and down
+  std::vector<std::vector<CellMean>> first_;  // what is closed, by direction, up and down
   std::vector<std::vector<std::optional<CellMean>>> pair_means_;
   DeterministicAccuracy accuracy_{};
 };

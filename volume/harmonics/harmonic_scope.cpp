@@ -19,12 +19,37 @@ double narrowest_feature(const Stack& stack) {
   return width;
 }
 
+namespace {
+
+// Of what lies around the layers.
+std::optional<std::string> why_not_bounded(const Stack& stack) {
+  for (const Layer& layer : stack.layers) {
+    if (!layer.interface) continue;
+    if (layer.interface->multiple)
+      return "multiple scattering at an interface's facets is left to walks";
+    if (layer.interface->facets.alpha_x != layer.interface->facets.alpha_y)
+      return "interfaces whose roughness differs along x and y are left to walks";
+  }
+  if (!stack.substrate || stack.substrate->model.empty()) return std::nullopt;
+  if (!stack.substrate->law) return "the substrate's model has no law";
+  const SurfaceLaw& law = *stack.substrate->law;
+  if (law.is_stochastic())
+    return stack.substrate->model == kConductor
+               ? "multiple scattering at a conductor's facets is left to walks"
+               : "the substrate's model is an estimate, which is left to walks";
+  if (law.is_delta())
+    return "a smooth conductor below layers without symmetry about the normal is left to walks";
+  if (!law.is_symmetric_about_z())
+    return "a substrate whose reflection differs along x and y is left to walks";
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<std::string> why_not_harmonic(const Stack& stack) {
   if (stack.has_grid()) return "a grid varies a layer's density laterally";
   if (stack.grains()) return "the stack is explicit geometry";
-  if (stack.has_boundaries())
-    return "interfaces and surfaces other than Lambert's beside layers without symmetry about the "
-           "normal are left to walks";
+  if (auto reason = why_not_bounded(stack)) return reason;
   for (const Layer& layer : stack.layers) {
     if (layer.interface || layer.depth() == 0) continue;
     if (auto reason = why_no_harmonics(layer.medium)) return reason;

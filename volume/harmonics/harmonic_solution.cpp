@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 double HarmonicEnergies::sum() const {
-  double all = uncollided + absorbed;
+  double all = uncollided + absorbed + zero_up + zero_down + mirrored + lost;
   for (int k = 0; k < 4; ++k) all += up[k] + down[k];
   return all;
 }
@@ -38,15 +38,15 @@ HarmonicSolution::HarmonicSolution(const HarmonicTransport& transport, Direction
   take(2, third);
   sources_[2] = transport.sum(third.next);
   take(3, transport.follow(sources_[2]));
-  for (int k = 0; k < kHarmonicParts; ++k) ground_[k] = sources_[k].ground;
+  for (int k = 0; k < kOpenParts; ++k) ground_[k] = sources_[k].ground;
 }
 
 std::array<double, kHarmonicParts> HarmonicSolution::f(Direction wo) const {
   VectorXd harmonics(transport_.basis().size());
   transport_.basis().values(wo, harmonics);
-  std::array<VectorXd, kHarmonicParts> values;
-  std::array<const double*, kHarmonicParts> places{};
-  for (int k = 0; k < kHarmonicParts; ++k) {
+  std::array<VectorXd, kOpenParts> values;
+  std::array<const double*, kOpenParts> places{};
+  for (int k = 0; k < kOpenParts; ++k) {
     values[k] = sources_[k].coefficients.transpose() * harmonics;
     places[k] = values[k].data();
   }
@@ -57,8 +57,8 @@ std::array<double, kHarmonicParts> HarmonicSolution::f(Direction wo) const {
 
 // Gauss-Legendre in the azimuth of every cell and, with two points more, in its elevation; the row
 // at grazing, where radiance behaves like mu log mu, in strips.
-std::array<std::vector<double>, kHarmonicParts> HarmonicSolution::means(const CellGrid& grid,
-                                                                        bool up, int points) const {
+std::array<std::vector<double>, kOpenParts> HarmonicSolution::means(const CellGrid& grid, bool up,
+                                                                    int points) const {
   constexpr int kStrips = 5;
   const Quadrature& rule = cached_gauss_legendre(points);
   const Quadrature& along = cached_gauss_legendre(points + 2);
@@ -90,16 +90,16 @@ std::array<std::vector<double>, kHarmonicParts> HarmonicSolution::means(const Ce
     for (Index j = 0; j < rule.points.size(); ++j)
       phi.push_back(turn + width * (column + rule.points[j]));
   const SphereGrid directions(transport_.basis(), mu, phi, transport_.product());
-  std::array<MatrixXd, kHarmonicParts> values;
-  for (int k = 0; k < kHarmonicParts; ++k) values[k] = directions.values(sources_[k].coefficients);
-  MatrixXd f(kHarmonicParts, directions.size());
+  std::array<MatrixXd, kOpenParts> values;
+  for (int k = 0; k < kOpenParts; ++k) values[k] = directions.values(sources_[k].coefficients);
+  MatrixXd f(kOpenParts, directions.size());
   tbb::parallel_for(0, directions.size(), [&](int d) {
-    std::array<const double*, kHarmonicParts> places{};
-    for (int k = 0; k < kHarmonicParts; ++k) places[k] = values[k].col(d).data();
+    std::array<const double*, kOpenParts> places{};
+    for (int k = 0; k < kOpenParts; ++k) places[k] = values[k].col(d).data();
     transport_.leaving(directions.direction(d), places, ground_, f.col(d).data());
   });
-  std::array<std::vector<double>, kHarmonicParts> result;
-  for (int k = 0; k < kHarmonicParts; ++k) {
+  std::array<std::vector<double>, kOpenParts> result;
+  for (int k = 0; k < kOpenParts; ++k) {
     result[k].assign(grid.cells(), 0);
     for (int d = 0; d < directions.size(); ++d) {
       const int m = d / directions.azimuths(), p = d % directions.azimuths();
@@ -111,11 +111,14 @@ std::array<std::vector<double>, kHarmonicParts> HarmonicSolution::means(const Ce
 }
 
 HarmonicCells HarmonicSolution::cells(const CellGrid& grid, bool up) const {
-  HarmonicCells cells{means(grid, up, 4), {}};
+  HarmonicCells cells;
+  auto fine = means(grid, up, 4);
   const auto coarse = means(grid, up, 3);
-  for (int k = 0; k < kHarmonicParts; ++k)
+  for (int k = 0; k < kOpenParts; ++k) {
     for (int cell = 0; cell < grid.cells(); ++cell)
-      cells.error[k].push_back(std::abs(cells.value[k][cell] - coarse[k][cell]));
+      cells.error[k].push_back(std::abs(fine[k][cell] - coarse[k][cell]));
+    cells.value[k] = std::move(fine[k]);
+  }
   return cells;
 }
 

@@ -9,21 +9,30 @@
 
 namespace lamella {
 
-/// Orders 2, 3 and 4 and more, as they are kept apart; and, as the last part, order 2 without what
-/// mirrors scatter twice (mirror_pairs.h has that at any accuracy).
+/// Orders 2, 3 and 4 and more, as they are kept apart; then order 2 without what mirrors scatter
+/// twice (mirror_pairs.h has that at any accuracy); and orders 1 and 0 where rough boundaries leave
+/// them without a closed form (ClosedOrders).
 inline constexpr int kHarmonicOrders = 3;
-inline constexpr int kHarmonicParts = 4;
-inline constexpr int kWithoutPairs = 3;
+inline constexpr int kHarmonicParts = 6;
+inline constexpr int kWithoutPairs = 3, kFirstPart = 4, kZeroPart = 5;
+/// Without boundaries there are the first four.
+inline constexpr int kOpenParts = 4;
+/// The parts that a sum over all orders has, but for closed ones.
+inline constexpr std::array<int, 5> kSummedParts{0, 1, 2, kFirstPart, kZeroPart};
 
 /// Shares of a beam, by order: 1, 2, 3, 4+.
 struct HarmonicEnergies {
   std::array<double, 4> up{}, down{};  ///< that leave through the top, the bottom
   double uncollided = 0, absorbed = 0;
+  double zero_up = 0, zero_down = 0;  ///< of order 0, deltas apart
+  double mirrored = 0;                ///< as a delta, by smooth boundaries alone
+  double lost = 0;                    ///< by single scattering at rough boundaries
 
   [[nodiscard]] double sum() const;
 };
 
-/// Means over cells of one side, by part and cell, and what their quadrature leaves.
+/// Means over cells of one side, by part and cell, and what their quadrature leaves. A part that a
+/// stack does not have is empty.
 struct HarmonicCells {
   std::array<std::vector<double>, kHarmonicParts> value, error;
 };
@@ -39,13 +48,13 @@ class HarmonicSolution {
   [[nodiscard]] HarmonicCells cells(const CellGrid& grid, bool up) const;
 
  private:
-  [[nodiscard]] std::array<std::vector<double>, kHarmonicParts> means(const CellGrid& grid, bool up,
-                                                                      int points) const;
+  [[nodiscard]] std::array<std::vector<double>, kOpenParts> means(const CellGrid& grid, bool up,
+                                                                  int points) const;
 
   const HarmonicTransport& transport_;
   Direction wi_;
-  std::array<HarmonicSource, kHarmonicParts> sources_;
-  std::array<double, kHarmonicParts> ground_{};
+  std::array<HarmonicSource, kOpenParts> sources_;
+  std::array<double, kOpenParts> ground_{};
   HarmonicEnergies energies_;
 };
 

@@ -1,30 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 #include <span>
 #include <vector>
 
 #include "phase/stack/stack.h"
-#include "volume/harmonics/harmonic_kernel.h"
-#include "volume/harmonics/layered_streams.h"
+#include "volume/harmonics/block_transport.h"
+#include "volume/harmonics/harmonic_resolution.h"
 #include "volume/harmonics/sphere_grid.h"
 
 namespace lamella {
-
-/// How finely directions and depths are resolved.
-struct HarmonicResolution {
-  int degree = 16;                          ///< of the source function's spherical harmonics
-  int depth_nodes = 7;                      ///< per panel
-  double finest = 1e-4;                     ///< optical depth of the panels next to boundaries
-  double residual = 1e-10;                  ///< of the sum over all orders
-  Isa isa = Isa::scalar;                    ///< of products of matrices
-  const std::atomic<bool>* stop = nullptr;  ///< once set, work ends with HarmonicStopped
-};
-
-/// Thrown where HarmonicResolution::stop is set, at the latest after the light between two events
-/// or the kernel of a layer.
-struct HarmonicStopped {};
 
 /// A source function: coefficients by harmonic (rows) and node in depth (columns), and the radiance
 /// that a Lambertian substrate sends up.
@@ -66,30 +51,20 @@ class HarmonicTransport {
 
   [[nodiscard]] MatrixProduct product() const { return MatrixProduct(resolution_.isa); }
   [[nodiscard]] const HarmonicBasis& basis() const { return basis_; }
-  [[nodiscard]] int nodes() const { return streams_.size(); }
+  [[nodiscard]] int nodes() const { return block_.nodes(); }
 
  private:
-  void check_stop() const {
-    if (resolution_.stop && *resolution_.stop) throw HarmonicStopped();
-  }
-  [[nodiscard]] double collided(Direction v, const double* radiance) const;
-  [[nodiscard]] double scattered_by_mirrors(const HarmonicSource& source) const;
-  [[nodiscard]] bool has_schlick(const Layer& layer) const;
+  [[nodiscard]] const LayeredStreams& streams() const { return block_.streams(); }
   // Whether light that arrives at the bottom meets a surface there.
-  [[nodiscard]] bool is_closed() const { return stack_.substrate || streams_.is_cut(); }
+  [[nodiscard]] bool is_closed() const { return stack_.substrate || streams().is_cut(); }
   [[nodiscard]] HarmonicSource scattered(const Eigen::MatrixXd& radiance, double arriving) const;
-  // What mirrors make of radiance, given what all layers make.
-  void take_mirrors(const Eigen::MatrixXd& radiance, HarmonicSource& source) const;
 
   const Stack& stack_;
-  int channel_;
   HarmonicResolution resolution_;
   HarmonicBasis basis_;
-  LayeredStreams streams_;
+  BlockTransport block_;
   SphereGrid grid_;
-  std::vector<HarmonicKernel> kernels_;  // by part
-  std::vector<bool> mirrors_;            // by part
-  std::vector<double> blocks_;           // by direction of the grid
+  std::vector<double> prepared_;  // by direction of the grid
   double ground_albedo_ = 0;
 };
 

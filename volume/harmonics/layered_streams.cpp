@@ -96,6 +96,13 @@ double LayeredStreams::march(Direction v, const double* block, const double* sou
   return light;
 }
 
+double LayeredStreams::crossing(Direction v) const {
+  double tau = 0;
+  for (const Part& part : parts_)
+    tau += sigma(part.layer->medium, -v) / std::abs(v.z) * part.panels.depth();
+  return std::exp(-tau);
+}
+
 double LayeredStreams::beam(Direction w, double* share) const {
   const bool down = w.z > 0;
   double tau = 0;

@@ -35,6 +35,8 @@ class LayeredStreams {
   double march(Direction v, const double* block, const double* source, double begin,
                double* radiance) const;
 
+  /// The share of light along v that crosses all layers.
+  [[nodiscard]] double crossing(Direction v) const;
   /// The share of a beam from w (which points away from the stack) that reaches each node, and the
   /// far side.
   double beam(Direction w, double* share) const;

@@ -41,13 +41,23 @@ SphereGrid::SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::
 SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths,
                                   MatrixProduct product) {
   const Quadrature& rule = cached_gauss_legendre(mu_per_hemisphere);
+  VectorXd mu(rule.points.size()), weight(rule.points.size());
+  for (Index k = 0; k < rule.points.size(); ++k) {
+    const double t = rule.points[k];
+    mu[k] = t * t;
+    weight[k] = rule.weights[k] * 2 * t;
+  }
+  return quadrature(basis, mu, weight, azimuths, product);
+}
+
+SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, const VectorXd& of_hemisphere,
+                                  const VectorXd& weights, int azimuths, MatrixProduct product) {
   std::vector<double> mu, phi, weight;
   const double step = 2 * kPi / azimuths;
   for (const double sign : {1.0, -1.0})
-    for (Index k = 0; k < rule.points.size(); ++k) {
-      const double t = rule.points[k];
-      mu.push_back(sign * t * t);
-      weight.push_back(step * rule.weights[k] * 2 * t);
+    for (Index k = 0; k < of_hemisphere.size(); ++k) {
+      mu.push_back(sign * of_hemisphere[k]);
+      weight.push_back(step * weights[k]);
     }
   // Half a step off the axes, where planes of symmetry lie.
   for (int p = 0; p < azimuths; ++p) phi.push_back(step * (p + 0.5));

@@ -19,8 +19,14 @@ class SphereGrid {
   static SphereGrid quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths,
                                MatrixProduct product = MatrixProduct());
 
+  /// With cosines of a hemisphere and their weights for the integral over them.
+  static SphereGrid quadrature(const HarmonicBasis& basis, const Eigen::VectorXd& mu,
+                               const Eigen::VectorXd& weight, int azimuths,
+                               MatrixProduct product = MatrixProduct());
+
   [[nodiscard]] int size() const { return static_cast<int>(mu_.size() * phi_.size()); }
   [[nodiscard]] int azimuths() const { return static_cast<int>(phi_.size()); }
+  [[nodiscard]] double phi(int p) const { return phi_[p]; }
   [[nodiscard]] double mu(int k) const { return mu_[k / azimuths()]; }
   [[nodiscard]] Direction direction(int k) const;
   [[nodiscard]] double weight(int k) const { return weight_[k / azimuths()]; }  ///< [sr]

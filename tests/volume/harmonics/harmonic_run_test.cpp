@@ -173,9 +173,19 @@ TEST(HarmonicRun, SaysWhatItLeavesToWalks) {
   EXPECT_EQ(reason(layer(leaning(sggx(0.5, "mirror"), 1, 0, 0), 1, 1)), "none");
   EXPECT_NE(reason(layer(leaning(vmf(0.5, "lambert"), 1, 0, 1), 1, kInfinity)).find("half space"),
             std::string::npos);
-  EXPECT_NE(reason("[[layer]]\ninterface = \"smooth\"\nior = 1.5\n" +
-                   layer(leaning(sggx(0.5, "mirror"), 1, 0, 0), 1, 1))
-                .find("interfaces"),
+  const std::string tilted = layer(leaning(sggx(0.5, "mirror"), 1, 0, 0), 1, 1);
+  const auto face = [](const std::string& keys) { return "[[layer]]\ninterface = " + keys; };
+  EXPECT_EQ(reason(face("\"smooth\"\nior = 1.5\n") + tilted + lambert_ground(0.5)), "none");
+  EXPECT_EQ(reason(face("\"ggx\"\nior = 1.5\nroughness = 0.2\n") + tilted), "none");
+  EXPECT_NE(reason(face("\"ggx\"\nior = 1.5\nroughness = [0.2, 0.4]\n") + tilted).find("x and y"),
+            std::string::npos);
+  EXPECT_NE(
+      reason(face("\"ggx\"\nior = 1.5\nroughness = 0.2\nscattering = \"multiple\"\n") + tilted)
+          .find("multiple"),
+      std::string::npos);
+  EXPECT_NE(reason(tilted + "[substrate]\nbsdf = \"conductor\"\neta = 1\nk = 4\n"
+                            "distribution = \"smooth\"\n")
+                .find("smooth conductor"),
             std::string::npos);
   EXPECT_EQ(reason(layer("medium = \"sggx\"\nmatrix = [0.3, 0.5, 1, 0, 0, 0.1]", 1, 1)), "none");
 }

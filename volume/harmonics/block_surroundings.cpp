@@ -1,0 +1,277 @@
+#include "volume/harmonics/block_surroundings.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "volume/adding/smooth_boundary.h"
+
+namespace lamella {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+void add_to(MatrixXd& sum, const MatrixXd& term) {
+  if (term.size() == 0) return;
+  if (sum.size() == 0)
+    sum = term;
+  else
+    sum += term;
+}
+
+// The part of a series that an order's step takes; empty: nothing.
+template <class T, std::size_t kSize>
+T taken_by(const std::array<T, kSize>& series, OrderStep step) {
+  if (step.kind == OrderStep::Kind::any) return series[0];
+  if (step.kind == OrderStep::Kind::by) return series[step.raise == 0 ? kOrderZero : step.raise];
+  T rest = series[0];
+  for (int raise = 0; raise <= step.raise; ++raise) {
+    const T& low = series[raise == 0 ? kOrderZero : raise];
+    if (low.size() > 0) rest -= low;
+  }
+  return rest;
+}
+
+bool keeps_order(OrderStep step) {
+  return step.kind == OrderStep::Kind::any || (step.kind == OrderStep::Kind::by && step.raise == 0);
+}
+
+// Layers and boundaries of [begin, end), with the indices that they have in the stack.
+std::vector<StackElement> elements_between(const Stack& stack, std::size_t begin, std::size_t end) {
+  std::vector<StackElement> elements;
+  double index = stack.index_of(begin);
+  for (std::size_t k = begin; k < end; ++k) {
+    const Layer& layer = stack.layers[k];
+    if (layer.interface) {
+      if (layer.interface->ior != index)
+        elements.push_back({nullptr, &*layer.interface, index, layer.interface->ior});
+      index = layer.interface->ior;
+    } else if (layer.depth() > 0) {
+      elements.push_back({&layer, nullptr, index, index});
+    }
+  }
+  return elements;
+}
+
+// All light goes through, and stays what it is.
+PileOperator nothing(const DirectionSets& sets, int mode) {
+  PileOperator pile{&sets, &sets, {}, {}, true};
+  for (PileSide* side : {&pile.above, &pile.below}) {
+    for (const auto& [beams, size] :
+         {std::pair{&side->in, sets.in.size()}, std::pair{&side->out, sets.out.size()}}) {
+      beams->direct = VectorXd::Ones(size);
+      beams->met = beams->gone = VectorXd::Zero(size);
+    }
+    if (mode == 0) side->absorbed = side->lost = RowVectorXd::Zero(sets.in.size());
+  }
+  return pile;
+}
+
+void drop_zeros(PileOperator& pile) {
+  for (PileSide* side : {&pile.above, &pile.below})
+    for (PileSeries* series : {&side->r, &side->t})
+      for (MatrixXd& m : *series)
+        if (m.size() > 0 && m.isZero(0)) m.resize(0, 0);
+}
+
+VectorXd rows_of(const DirectionSets& from, const DirectionSets& to, const VectorXd& share) {
+  const Index common = std::min(from.nodes(), to.nodes());
+  VectorXd result = VectorXd::Zero(to.out.size());
+  const double step = to.index / from.index;
+  result.head(common) = step * step * share.head(common);
+  const Index asked = to.out.size() - to.nodes();
+  result.tail(asked) = step * step * share.tail(asked);
+  return result;
+}
+
+}  // namespace
+
+SurroundedLight& SurroundedLight::operator+=(const SurroundedLight& other) {
+  if (entering.empty()) entering.resize(other.entering.size());
+  for (std::size_t b = 0; b < other.entering.size(); ++b) {
+    add_to(entering[b].down, other.entering[b].down);
+    add_to(entering[b].up, other.entering[b].up);
+  }
+  add_to(outside.down, other.outside.down);
+  add_to(outside.up, other.outside.up);
+  return *this;
+}
+
+BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
+                                     std::vector<LayerBlock> blocks, int nodes, int modes,
+                                     std::span<const AskedCosine> asked_out,
+                                     std::span<const AskedCosine> asked_in, Isa isa)
+    : blocks_(std::move(blocks)) {
+  const RefractiveNodes refractive{indices_of(stack), nodes, grazing_map(stack)};
+  for (std::size_t k = 0; k <= blocks_.size(); ++k) {
+    const std::size_t begin = k == 0 ? 0 : blocks_[k - 1].end;
+    const bool is_last = k == blocks_.size();
+    const std::size_t end = is_last ? stack.layers.size() : blocks_[k].begin;
+    elements_.push_back(elements_between(stack, begin, end));
+    const bool is_ground = is_last && stack.substrate;
+    std::vector<PileOperator>& pile = piles_.emplace_back(modes);
+    if (elements_.back().empty() && !is_ground) {
+      const DirectionSets& sets =
+          plain_.emplace_back(refractive, stack.index_of(begin), asked_out, asked_in);
+      // Below a half space's nodes lies what sends back all that arrives (LayeredStreams::is_cut).
+      for (int m = 0; m < modes; ++m)
+        pile[m] = is_last && stack.is_half_space() ? lambert_ground(1, sets, m) : nothing(sets, m);
+    } else {
+      PileModes& solver = modes_.emplace_back(stack, channel, nodes, asked_out, asked_in, 3, isa,
+                                              PileRange{begin, end, is_ground});
+      solver.prepare(modes);
+      tbb::parallel_for(0, modes, [&](int m) {
+        pile[m] = solver.operator_at(m);
+        drop_zeros(pile[m]);
+      });
+    }
+  }
+}
+
+const DirectionSets& BlockSurroundings::sets(std::size_t block) const {
+  return *piles_[block].front().bottom;
+}
+
+SurroundedLight BlockSurroundings::from_blocks(const std::vector<FaceLight>& leaving,
+                                               OrderStep step) const {
+  SurroundedLight light;
+  light.entering.resize(blocks_.size());
+  const auto pass = [&](const Pile& pile, PileSide PileOperator::*which, const MatrixXd& waves,
+                        MatrixXd& reflected, MatrixXd& transmitted) {
+    const PileOperator& first = pile.front();
+    const bool from_above = which == &PileOperator::above;
+    const DirectionSets& here = from_above ? *first.top : *first.bottom;
+    const DirectionSets& there = from_above ? *first.bottom : *first.top;
+    const Index nodes = here.nodes();
+    const MatrixXd arriving = here.flux.asDiagonal() * waves;
+    MatrixXd back = MatrixXd::Zero(here.out.size(), waves.cols());
+    MatrixXd on = MatrixXd::Zero(there.out.size(), waves.cols());
+    tbb::parallel_for(0, static_cast<int>(pile.size()), [&](int m) {
+      const PileSide& side = pile[m].*which;
+      const Index wave = m == 0 ? 0 : 2 * m - 1, count = m == 0 ? 1 : 2;
+      const auto apply = [&](const PileSeries& series, MatrixXd& result) {
+        const MatrixXd f = taken_by(series, step);
+        if (f.size() > 0)
+          result.middleCols(wave, count) += f.leftCols(nodes) * arriving.middleCols(wave, count);
+      };
+      apply(side.r, back);
+      apply(side.t, on);
+    });
+    // Beams keep their order, at the nodes; those along asked cosines are followed ray by ray.
+    if (keeps_order(step)) {
+      const BeamShares& beams = (first.*which).out;
+      if (beams.mirror[kOrderZero].size() > 0)
+        back.topRows(nodes) += beams.mirror[kOrderZero].head(nodes).asDiagonal() * waves;
+      if (beams.direct.size() > 0) {
+        const VectorXd share = rows_of(here, there, beams.direct);
+        const Index common = std::min(nodes, there.nodes());
+        on.topRows(common) += share.head(common).asDiagonal() * waves.topRows(common);
+      }
+    }
+    add_to(reflected, back);
+    add_to(transmitted, on);
+  };
+  for (std::size_t k = 0; k < piles_.size(); ++k) {
+    MatrixXd& up = k == 0 ? light.outside.up : light.entering[k - 1].up;
+    MatrixXd& down = k == blocks_.size() ? light.outside.down : light.entering[k].down;
+    if (k > 0) pass(piles_[k], &PileOperator::above, leaving[k - 1].down, up, down);
+    if (k < blocks_.size()) pass(piles_[k], &PileOperator::below, leaving[k].up, down, up);
+  }
+  return light;
+}
+
+SurroundedLight BlockSurroundings::from_beam(const ArrivingBeam& beam, std::size_t in,
+                                             OrderStep step) const {
+  SurroundedLight light;
+  light.entering.resize(blocks_.size());
+  const auto column = [&](const Pile& pile, PileSide PileOperator::*which,
+                          PileSeries PileSide::*way, double power, MatrixXd& result) {
+    const bool from_above = which == &PileOperator::above;
+    const PileOperator& first = pile.front();
+    const DirectionSets& here = from_above ? *first.top : *first.bottom;
+    const DirectionSets& there = (way == &PileSide::r) == from_above ? *first.top : *first.bottom;
+    MatrixXd sum = MatrixXd::Zero(there.out.size(), waves());
+    if (power > 0)
+      for (std::size_t m = 0; m < pile.size(); ++m) {
+        const MatrixXd f = taken_by(pile[m].*which.*way, step);
+        if (f.size() == 0) continue;
+        const VectorXd mode = power * f.col(here.nodes() + static_cast<Index>(in));
+        if (m == 0) {
+          sum.col(0) += mode;
+          continue;
+        }
+        const double wave = static_cast<double>(m) * beam.azimuth;
+        sum.col(2 * static_cast<Index>(m) - 1) += std::sqrt(2.0) * std::cos(wave) * mode;
+        sum.col(2 * static_cast<Index>(m)) += std::sqrt(2.0) * std::sin(wave) * mode;
+      }
+    add_to(result, sum);
+  };
+  for (std::size_t k = 0; k < piles_.size(); ++k) {
+    MatrixXd& up = k == 0 ? light.outside.up : light.entering[k - 1].up;
+    MatrixXd& down = k == blocks_.size() ? light.outside.down : light.entering[k].down;
+    column(piles_[k], &PileOperator::above, &PileSide::r, beam.down[k], up);
+    column(piles_[k], &PileOperator::above, &PileSide::t, beam.down[k], down);
+    if (!piles_[k].front().is_open) continue;
+    column(piles_[k], &PileOperator::below, &PileSide::r, beam.up[k], down);
+    column(piles_[k], &PileOperator::below, &PileSide::t, beam.up[k], up);
+  }
+  return light;
+}
+
+BlockSurroundings::Taken BlockSurroundings::taken(const std::vector<FaceLight>& leaving) const {
+  Taken taken;
+  const auto add = [&](const PileSide& side, const DirectionSets& sets, const MatrixXd& waves) {
+    const VectorXd irradiance = sets.flux.cwiseProduct(waves.col(0));
+    taken.absorbed += side.absorbed.head(sets.nodes()).dot(irradiance);
+    taken.lost += side.lost.head(sets.nodes()).dot(irradiance);
+  };
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    add(piles_[b].front().below, *piles_[b].front().bottom, leaving[b].up);
+    add(piles_[b + 1].front().above, *piles_[b + 1].front().top, leaving[b].down);
+  }
+  return taken;
+}
+
+BlockSurroundings::Taken BlockSurroundings::taken(const ArrivingBeam& beam, std::size_t in) const {
+  Taken taken;
+  const auto add = [&](const PileSide& side, const DirectionSets& sets, double power) {
+    if (!(power > 0)) return;
+    const Index place = sets.nodes() + static_cast<Index>(in);
+    taken.absorbed += power * side.absorbed[place];
+    taken.lost += power * side.lost[place];
+  };
+  for (std::size_t k = 0; k < piles_.size(); ++k) {
+    const PileOperator& pile = piles_[k].front();
+    add(pile.above, *pile.top, beam.down[k]);
+    if (pile.is_open) add(pile.below, *pile.bottom, beam.up[k]);
+  }
+  return taken;
+}
+
+double BlockSurroundings::mirror(std::size_t block, bool at_top, Index row) const {
+  const PileOperator& pile = piles_[at_top ? block : block + 1].front();
+  const VectorXd& mirror = (at_top ? pile.below : pile.above).out.mirror[kOrderZero];
+  return mirror.size() > 0 ? mirror[row] : 0;
+}
+
+double BlockSurroundings::through(std::size_t block, bool up, Index row) const {
+  const PileOperator& pile = piles_[up ? block : block + 1].front();
+  const VectorXd& direct = (up ? pile.below : pile.above).out.direct;
+  if (direct.size() == 0) return 0;
+  const DirectionSets& there = up ? *pile.top : *pile.bottom;
+  const double step = there.index / sets(block).index;
+  return step * step * direct[row];
+}
+
+double BlockSurroundings::mirror_at(std::size_t block, bool at_top, double mu) const {
+  const std::vector<StackElement>& elements = elements_[at_top ? block : block + 1];
+  if (elements.empty()) return 0;
+  const double sine = std::sqrt((1 - mu) * (1 + mu));
+  const StackBeam beam = beam_of(elements, {sine, 0, at_top ? -mu : mu}, false);
+  return at_top ? beam.down.back() : beam.up.front();
+}
+
+}  // namespace lamella
