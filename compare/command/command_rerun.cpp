@@ -115,7 +115,9 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
     std::istringstream words(text("modes"));
     for (int& count : modes)
       if (!(words >> count) || count < 1) throw broken("modes");
-    request.solver_end = {static_cast<int>(whole("nodes")), modes};
+    request.solver_end = {static_cast<int>(whole("nodes")), modes, std::nullopt};
+    if (image.attributes.contains("lamella.integrated_from"))
+      request.solver_end->integrated_from = static_cast<int>(whole("integrated_from"));
   }
   std::istringstream directions(text("directions")), walks(text("walks"));
   request.directions.clear();

@@ -181,6 +181,8 @@ Json to_json(const RunResult& run) {
                        {"bytes", a->bytes}};
   if (run.accuracy && run.accuracy->harmonics)
     out["accuracy"]["harmonics"] = run.accuracy->harmonics;
+  if (run.accuracy && run.accuracy->integrated_from)
+    out["accuracy"]["integrated_from"] = run.accuracy->integrated_from;
   if (!run.is_bounded()) {
     out["max_order"] = run.max_order;
     out["sampling"] = to_text(run.sampling);

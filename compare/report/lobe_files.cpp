@@ -70,6 +70,8 @@ void add_error_attributes(std::map<std::string, std::string>& attributes,
   attributes["lamella.nodes"] = fmt::format("{}", runs[0].accuracy->nodes);
   const auto& modes = runs[0].accuracy->channel_modes;
   attributes["lamella.modes"] = fmt::format("{}", fmt::join(modes, " "));
+  if (runs[0].accuracy->harmonics > 0)
+    attributes["lamella.integrated_from"] = fmt::format("{}", runs[0].accuracy->integrated_from);
 }
 
 }  // namespace

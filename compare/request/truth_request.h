@@ -48,6 +48,8 @@ struct TruthRequest {
   struct SolverEnd {
     int nodes;
     std::array<int, 3> modes;  ///< per colour channel
+    /// DeterministicAccuracy::integrated_from, where it was recorded.
+    std::optional<int> integrated_from{};
   };
   std::optional<SolverEnd> solver_end{};
   CellGrid cells{};  ///< per hemisphere

@@ -169,6 +169,7 @@ HarmonicOptions harmonic_options(const TruthRequest& request, const StopFlag* st
       .report = report};
   if (request.solver_end) {
     solver.max_degree = request.solver_end->modes[0] - 1;
+    solver.integrate_from = request.solver_end->integrated_from;
     solver.max_seconds = std::numeric_limits<double>::infinity();
   }
   return solver;

@@ -19,8 +19,9 @@ namespace {
 
 // Share of the tolerance for the quadrature of order 1 over cells.
 constexpr double kFirstShare = 0.1;
-// Cells whose order 2 is integrated over pairs of mirrors, at most: they take a tenth of a second.
-constexpr std::size_t kMostPairCells = 200;
+// Cells whose order 2 is integrated over pairs of mirrors: so many without a look at the clock; for
+// more of them a sample tells what all would take.
+constexpr std::size_t kFewPairCells = 200, kSampledCells = 8;
 // Shares of the tolerance for what mirrors scatter twice: of harmonics, which are kept within it,
 // and of its quadrature.
 constexpr double kSecondShare = 0.3, kPairShare = 0.2;
@@ -213,22 +214,53 @@ class Refinement {
     return sum;
   }
 
+  // Cells of one side that want it.
+  struct PairSide {
+    std::size_t i;
+    bool up;
+    std::vector<int> cells;
+    std::vector<Rgb> allowed;  // by row
+  };
+
+  [[nodiscard]] std::vector<std::optional<CellMean>> means_of(const PairSide& side,
+                                                              const std::vector<int>& cells) const {
+    return pair_cells(pairs_, grid_, incident_[side.i], side.up, cells, side.allowed,
+                      narrowest_feature(stack_), options_.stop);
+  }
+
+  // Whether the time allows it. Once begun it goes on: what a later degree adds is little.
+  [[nodiscard]] bool may_integrate(const std::vector<PairSide>& sides, std::size_t count) const {
+    const int degree = levels_.last().degree;
+    if (options_.integrate_from)
+      return *options_.integrate_from > 0 && degree >= *options_.integrate_from;
+    if (count <= kFewPairCells || accuracy_.integrated_from > 0) return true;
+    const double begin = seconds_since(start_);
+    std::size_t sampled = 0;
+    for (const PairSide& side : sides) {
+      std::vector<int> some;
+      const std::size_t step = std::max<std::size_t>(1, count / kSampledCells);
+      for (std::size_t k = step / 2; k < side.cells.size(); k += step)
+        some.push_back(side.cells[k]);
+      static_cast<void>(means_of(side, some));
+      sampled += some.size();
+    }
+    if (sampled == 0) return false;
+    const double took = seconds_since(start_) - begin;
+    return seconds_since(start_) +
+               took * static_cast<double>(count) / static_cast<double>(sampled) <
+           options_.max_seconds;
+  }
+
   // What mirrors scatter twice, by quadrature, wherever the harmonics leave more of it than a share
-  // of the tolerance, unless that is in too many cells. if_enough: only if that is all that is
+  // of the tolerance, unless that would take too long. if_enough: only if that is all that is
   // missing.
   bool solve_pairs(bool if_enough) {
     if (is_bounded_ || pairs_.is_empty()) return false;
-    struct Side {
-      std::size_t i;
-      bool up;
-      std::vector<int> cells;
-      std::vector<Rgb> allowed;
-    };
-    std::vector<Side> sides;
+    std::vector<PairSide> sides;
     for (std::size_t i = 0; i < incident_.size(); ++i)
       for (const bool up : {true, false}) {
         if (!sees(incident_[i], up)) continue;
-        Side side{i, up, {}, {}};
+        PairSide side{i, up, {}, {}};
         for (int row = 0; row < grid_.rows(); ++row) {
           Rgb scale;
           for (int c = 0; c < 3; ++c) scale[c] = options_.tolerance * scale_of(c, i, up, row);
@@ -245,12 +277,12 @@ class Refinement {
         sides.push_back(std::move(side));
       }
     std::size_t count = 0;
-    for (const Side& side : sides) count += side.cells.size();
-    if (count == 0 || count > kMostPairCells) return false;
-    for (const Side& side : sides) {
+    for (const PairSide& side : sides) count += side.cells.size();
+    if (count == 0 || !may_integrate(sides, count)) return false;
+    if (accuracy_.integrated_from == 0) accuracy_.integrated_from = levels_.last().degree;
+    for (const PairSide& side : sides) {
       report(levels_.last().degree);
-      const auto means = pair_cells(pairs_, grid_, incident_[side.i], side.up, side.cells,
-                                    side.allowed, narrowest_feature(stack_), options_.stop);
+      const auto means = means_of(side, side.cells);
       for (std::size_t k = 0; k < means.size(); ++k)
         pair_means_[2 * side.i + (side.up ? 0 : 1)][side.cells[k]] = means[k];
     }

@@ -31,6 +31,8 @@ struct DeterministicAccuracy {
   int nodes = 0, modes = 0;  ///< modes: the most of any channel
   /// Degree of the spherical harmonics, where those have solved the stack; 0: adding and doubling.
   int harmonics = 0;
+  /// Degree from which on cells have order 2 of mirrors integrated (volume/HARMONICS.md); 0: none.
+  int integrated_from = 0;
   std::array<int, 3> channel_modes{};  ///< per colour channel
   double seconds = 0;
   std::size_t bytes = 0;  ///< of the kernels, the largest tables
