@@ -117,8 +117,9 @@ BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
       const DirectionSets& sets =
           plain_.emplace_back(refractive, stack.index_of(begin), asked_out, asked_in);
       // Below a half space's nodes lies what sends back all that arrives (LayeredStreams::is_cut).
+      const bool sends_back = is_last && stack.is_half_space() && !(stack.one_sidedness() < 0);
       for (int m = 0; m < modes; ++m)
-        pile[m] = is_last && stack.is_half_space() ? lambert_ground(1, sets, m) : nothing(sets, m);
+        pile[m] = sends_back ? lambert_ground(1, sets, m) : nothing(sets, m);
     } else {
       PileModes& solver = modes_.emplace_back(stack, channel, nodes, asked_out, asked_in, 3, isa,
                                               PileRange{begin, end, is_ground});

@@ -19,8 +19,8 @@ namespace {
 
 // Share of the tolerance for the quadrature of order 1 over cells.
 constexpr double kFirstShare = 0.1;
-// Cells whose order 2 is integrated over pairs of mirrors: so many without a look at the clock; for
-// more of them a sample tells what all would take.
+// This number of cells has order 2 integrated over pairs of mirrors without a look at the clock;
+// for more of them a sample tells what all would take.
 constexpr std::size_t kFewPairCells = 200, kSampledCells = 8;
 // Shares of the tolerance for what mirrors scatter twice: of harmonics, which are kept within it,
 // and of its quadrature.

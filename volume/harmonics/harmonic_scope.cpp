@@ -53,8 +53,6 @@ std::optional<std::string> why_not_harmonic(const Stack& stack) {
   for (const Layer& layer : stack.layers) {
     if (layer.interface || layer.depth() == 0) continue;
     if (auto reason = why_no_harmonics(layer.medium)) return reason;
-    if (std::isinf(layer.depth()) && !traits(layer.medium).two_sided)
-      return "a half space of tilted one-sided flakes is left to walks";
   }
   return std::nullopt;
 }

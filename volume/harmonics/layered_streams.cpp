@@ -20,13 +20,23 @@ std::pair<double, double> sigma_range(const Medium& medium) {
   return {least, largest};
 }
 
+// By how much, per depth, one-sided flakes meet more light from above than from below.
+double drift_of(const Layer& layer) { return traits(layer.medium).mean_normal.value.z; }
+
 // Depth of a half space below which nothing is seen any more: what diffusion leaves of light that
 // goes down and comes back, where some is absorbed on the way; else what leaves the field even.
+// One-sided flakes let light through one way only: by exp(-drift depth) less the other way.
 double cut_depth(const Layer& layer, int channel, double least) {
-  constexpr double kLengths = 14, kEven = 40;
+  constexpr double kLengths = 14, kEven = 40, kLongest = 1e4;
   const double absorbed = 1 - layer.albedo[channel];
-  const double length = absorbed > 0 ? 1 / std::sqrt(3 * absorbed) : 0;
-  return std::max(kEven, kLengths * std::min(length, 1e4)) / std::max(least, 0.02);
+  const double length = absorbed > 0 ? std::min(1 / std::sqrt(3 * absorbed), kLongest) : 0;
+  double depth = std::max(kEven, kLengths * length) / std::max(least, 0.02);
+  if (const double drift = std::abs(drift_of(layer)); drift > 0) {
+    const double far = kEven / std::max(drift, 1 / kLongest);
+    depth = absorbed > 0 ? std::max(kEven / std::max(least, 0.02), std::min(depth, far))
+                         : std::max(depth, far);
+  }
+  return depth;
 }
 
 }  // namespace
@@ -37,8 +47,9 @@ LayeredStreams::LayeredStreams(const Stack& stack, int channel, double finest, i
     if (layer.interface || layer.depth() == 0) continue;
     const auto [least, largest] = sigma_range(layer.medium);
     const double scale = std::max(largest, 1e-12);
-    is_cut_ = std::isinf(layer.depth());
-    const double depth = is_cut_ ? cut_depth(layer, channel, least) : layer.depth();
+    const bool is_half_space = std::isinf(layer.depth());
+    is_cut_ = is_half_space && drift_of(layer) >= 0;
+    const double depth = is_half_space ? cut_depth(layer, channel, least) : layer.depth();
     parts_.push_back({&layer, DepthPanels(depth, scale, finest / scale, nodes_per_panel), size_});
     size_ += parts_.back().panels.size();
     block_size_ += parts_.back().panels.kinds().size() *

@@ -23,7 +23,8 @@ class LayeredStreams {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] int size() const { return size_; }  ///< nodes in all
   /// Below a half space's nodes lies what sends back all that arrives: where nothing changes any
-  /// more in depth, that is what the depth does.
+  /// more in depth, that is what the depth does. Not below flakes of one side that face down: light
+  /// that gets there is lost to the depth.
   [[nodiscard]] bool is_cut() const { return is_cut_; }
 
   /// What the integrals of one ray take, and the same for its end alone.
