@@ -86,6 +86,7 @@ ExportedBrdf brdf_of_stack(const Stack& stack, const Options& options, const Run
       std::make_shared<const LobeTable>(LobeTable::make(request, monitor.stop, monitor.solver));
   if (monitor.finished) monitor.finished();
   ExportedBrdf source;
+  source.isotropic = !table->has_azimuth();
   source.f = [table](std::span<const DirectionPair> pairs, std::span<Rgb> values) {
     // Pairs of one direction to the viewer come one after the other.
     std::function<Rgb(Direction)> towards;

@@ -40,7 +40,7 @@ std::string toml_of(const Family& family, const std::vector<double>& values) {
   return toml;
 }
 
-constexpr double kCoatTolerance = 1e-4, kLeaningTolerance = 1e-3;
+constexpr double kCoatTolerance = 1e-4, kLeaningTolerance = 1e-5;
 
 // One of the values at a time, about an index of 1.5, alpha 0.1 and albedo 0.8; then the corners
 // where light stays longest.

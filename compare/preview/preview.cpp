@@ -103,7 +103,7 @@ PreviewImage render(const ReflectionTowards& f, const PreviewView& view,
                     const ReflectedLight& reflected) {
   if (view.light == PreviewLight::lamp) return render_lamp(f, reflected.specular(), view);
   return rendered(view, [&](const Basis& surface, Direction to_viewer) {
-    return reflected(surface.n, to_viewer);
+    return reflected(surface, to_viewer);
   });
 }
 

@@ -86,7 +86,8 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
   std::vector<ReflectedLight> reflected;
   for (const Surface& s : surfaces) {
     if (is_set(stop)) return {};
-    reflected.emplace_back(s.f, lighting.environment, s.specular);
+    reflected.emplace_back(s.f, lighting.environment, s.specular,
+                           truth.has_azimuth() ? LobeTable::kSectors : 1);
   }
   std::vector<PreviewResult> views;
   for (const PreviewScene scene : {PreviewScene::sphere, PreviewScene::plane})

@@ -61,19 +61,43 @@ ReflectedLight::ReflectedLight(Reflection f, const Environment& environment)
           environment) {}
 
 ReflectedLight::ReflectedLight(ReflectionTowards f, const Environment& environment,
-                               Specular specular)
+                               Specular specular, int azimuths)
     : f_(std::move(f)),
       specular_(std::move(specular)),
       environment_(environment),
-      albedos_(kAngles + 1),
+      azimuths_(azimuths),
+      albedos_(static_cast<std::size_t>(azimuths) * (kAngles + 1)),
       sizes_(kAngles + 1) {
+  // lobe_cells knows one side of the plane of w_o = (sine, 0, mu).
+  const int sides = azimuths > 1 ? 2 : 1;
   tbb::parallel_for(0, kAngles + 1, [&](int k) {
     const double mu = angle_mu(k);
-    const Direction wo = direction_from_mu_phi(mu, 0);
-    const LobeCells lobe = lobe_cells(f_(wo), mu);
-    albedos_[k] = specular_ ? lobe.energy + specular_(wo) : lobe.energy;
-    if (environment_.is_uniform()) return;
-    sizes_[k] = sizes_of(lobe);
+    for (int azimuth = 0; azimuth < azimuths_; ++azimuth) {
+      const double phi = 2 * kPi * azimuth / azimuths_, c = std::cos(phi), s = std::sin(phi);
+      const Direction wo = direction_from_mu_phi(mu, phi);
+      const auto lobe_of_wo = f_(wo);
+      Rgb& albedo = albedos_[static_cast<std::size_t>(azimuth) * (kAngles + 1) + k];
+      if (specular_) albedo = specular_(wo);
+      for (int side = 0; side < sides; ++side) {
+        const LobeCells lobe = lobe_cells(
+            [&](Direction w) {
+              if (side == 1) w.y = -w.y;
+              return lobe_of_wo(
+                  azimuths_ == 1 ? w : Direction{c * w.x - s * w.y, s * w.x + c * w.y, w.z});
+            },
+            mu);
+        albedo += 1.0 / sides * lobe.energy;
+        if (environment_.is_uniform()) continue;
+        // The finest that any azimuth needs.
+        Sizes sizes = sizes_of(lobe);
+        if (sizes_[k].empty()) {
+          sizes_[k] = std::move(sizes);
+          continue;
+        }
+        for (std::size_t j = 0; j < sizes.size(); ++j)
+          sizes_[k][j] = std::min(sizes_[k][j], sizes[j]);
+      }
+    }
   });
 }
 
@@ -123,11 +147,20 @@ int ReflectedLight::row_of(double y) {
   return std::clamp(static_cast<int>(y * kRows), 0, kRows - 1);
 }
 
-Rgb ReflectedLight::albedo(double mu_o) const {
+Rgb ReflectedLight::albedo_at(int azimuth, double mu_o) const {
   const double place = place_of_mu(mu_o);
   const int k = std::min(static_cast<int>(place), kAngles - 1);
   const double x = place - k;
-  return (1 - x) * albedos_[k] + x * albedos_[k + 1];
+  const Rgb* of = &albedos_[static_cast<std::size_t>(azimuth) * (kAngles + 1)];
+  return (1 - x) * of[k] + x * of[k + 1];
+}
+
+Rgb ReflectedLight::albedo(double mu_o, double phi_o) const {
+  if (azimuths_ == 1) return albedo_at(0, mu_o);
+  const double turn = phi_o / (2 * kPi), place = (turn - std::floor(turn)) * azimuths_;
+  const int from = std::min(static_cast<int>(place), azimuths_ - 1);
+  const double x = place - from;
+  return (1 - x) * albedo_at(from, mu_o) + x * albedo_at((from + 1) % azimuths_, mu_o);
 }
 
 Rgb mirrored(const Specular& specular, Direction wo, Direction wi) {
@@ -148,6 +181,8 @@ struct ReflectedLight::Gathering {
   Frame<double> frame;
   std::function<Rgb(Direction)> f;
   std::size_t angle;
+  // To the frame in which w_o has the azimuth 0.
+  double turn_cosine, turn_sine;
   Rgb sum{};
 
   void add(Rgb flux, Direction centroid) {
@@ -165,7 +200,9 @@ struct ReflectedLight::Gathering {
     if (local.z <= -radius) return std::nullopt;
     const double across = std::max(extent.latitude, extent.longitude);
     if (local.z < radius && across > kHorizonExtent) return true;
-    return across > light.largest_extent(angle, local);
+    return across >
+           light.largest_extent(angle, {turn_cosine * local.x + turn_sine * local.y,
+                                        turn_cosine * local.y - turn_sine * local.x, local.z});
   }
 };
 
@@ -193,17 +230,22 @@ struct ReflectedLight::Mirror {
 };
 
 Rgb ReflectedLight::operator()(Direction n, Direction to_viewer) const {
-  const Frame<double> frame = frame_of(n, to_viewer);
+  return (*this)(frame_of(n, to_viewer), to_viewer);
+}
+
+Rgb ReflectedLight::operator()(const Frame<double>& surface, Direction to_viewer) const {
+  const Frame<double> frame = azimuths_ == 1 ? frame_of(surface.n, to_viewer) : surface;
   const Direction wo = frame.to_local(to_viewer);
-  const Rgb uniform = environment_.uniform() * albedo(wo.z);
+  const double phi = azimuths_ == 1 ? 0 : azimuth(wo);
+  const Rgb uniform = environment_.uniform() * albedo(wo.z, phi);
   if (environment_.is_uniform()) return uniform;
   const Environment::Node& whole = environment_.nodes().front();
   const auto angle =
       static_cast<std::size_t>(std::min(static_cast<int>(place_of_mu(wo.z)), kAngles - 1));
-  Gathering gathering{*this, frame, f_(wo), angle};
+  Gathering gathering{*this, frame, f_(wo), angle, std::cos(phi), std::sin(phi)};
   EnvironmentSum(environment_, gathering).visit(whole);
   if (!specular_) return uniform + gathering.sum;
-  Mirror mirror{2 * wo.z * n - to_viewer, n};
+  Mirror mirror{2 * wo.z * frame.n - to_viewer, frame.n};
   EnvironmentSum(environment_, mirror).visit(whole);
   return uniform + gathering.sum + specular_(wo) * mirror.sum;
 }

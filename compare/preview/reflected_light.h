@@ -10,7 +10,7 @@
 
 namespace lamella {
 
-/// f [1/sr] of a surface, w_i and w_o above it, without a preferred azimuth.
+/// f [1/sr] of a surface, w_i and w_o above it.
 using Reflection = std::function<Rgb(Direction wi, Direction wo)>;
 
 /// The same for one w_o at a time, as a function of w_i: what depends on w_o alone is done once.
@@ -45,17 +45,21 @@ class ReflectedLight {
  public:
   static constexpr int kAngles = 96;
 
-  /// Runs in the calling thread's task arena. The environment must outlive this object.
-  ReflectedLight(ReflectionTowards f, const Environment& environment, Specular specular = {});
+  /// Runs in the calling thread's task arena. The environment must outlive this object. azimuths:
+  /// of w_o, between which directional albedos are linear; 1: f has no preferred azimuth.
+  ReflectedLight(ReflectionTowards f, const Environment& environment, Specular specular = {},
+                 int azimuths = 1);
   ReflectedLight(Reflection f, const Environment& environment);
 
-  /// n: the unit normal; to_viewer: unit, above the surface.
+  /// n: the unit normal; to_viewer: unit, above the surface. For f without a preferred azimuth.
   [[nodiscard]] Rgb operator()(Direction n, Direction to_viewer) const;
+  /// In the surface's frame, whose z is its normal.
+  [[nodiscard]] Rgb operator()(const Frame<double>& surface, Direction to_viewer) const;
 
   [[nodiscard]] const Specular& specular() const { return specular_; }
 
-  /// The share of light from all sides that is sent to a viewer at this cosine.
-  [[nodiscard]] Rgb albedo(double mu_o) const;
+  /// The share of light from all sides that is sent to a viewer at this cosine and azimuth.
+  [[nodiscard]] Rgb albedo(double mu_o, double phi_o = 0) const;
 
  private:
   // Of Lambert's half disc (lobe_cells.h): x in [-1, 1], |y| in [0, 1].
@@ -68,11 +72,13 @@ class ReflectedLight {
   struct Gathering;
   struct Mirror;
   [[nodiscard]] double largest_extent(std::size_t angle, Direction local) const;
+  [[nodiscard]] Rgb albedo_at(int azimuth, double mu_o) const;
 
   ReflectionTowards f_;
   Specular specular_;
   const Environment& environment_;
-  std::vector<Rgb> albedos_;
+  int azimuths_;
+  std::vector<Rgb> albedos_;  // by azimuth, then angle
   std::vector<Sizes> sizes_;
 };
 

@@ -14,6 +14,7 @@
 #include "compare/truth/estimator_choice.h"
 #include "compare/truth/lobe_cells.h"
 #include "phase/surface/conductor.h"
+#include "volume/harmonics/harmonic_scope.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/closed_orders.h"
 #include "volume/solver/deterministic.h"
@@ -95,16 +96,50 @@ double interpolated(const std::vector<double>& v, double place) {
 
 }  // namespace
 
+Direction LobeTable::outgoing(const Sector& sector, int out) {
+  return direction_from_mu_phi(Grid::node_mu(out), sector.azimuth);
+}
+
+Direction LobeTable::incoming(const Sector& sector, int out, int alpha, int beta, int side) {
+  Direction w = Grid::node_wi(Grid::node_mu(out), alpha, beta);
+  if (side == 1) w.y = -w.y;
+  if (sector.azimuth == 0) return w;
+  const double c = std::cos(sector.azimuth), s = std::sin(sector.azimuth);
+  return {c * w.x - s * w.y, s * w.x + c * w.y, w.z};
+}
+
+// What is not closed of one w_o, scaled to its energy.
+std::function<Rgb(Direction)> LobeTable::rest_towards(const Sector& sector, Direction wo) const {
+  const double place = kScalesPerNode * Grid::place_of_mu(wo.z);
+  const auto k = std::min(static_cast<std::size_t>(place), sector.scales.size() - 2);
+  const double x = place - static_cast<double>(k);
+  const Rgb scale = (1 - x) * sector.scales[k] + x * sector.scales[k + 1];
+  if (!has_azimuth())
+    return [scale, rest = sector.rest.towards(wo)](Direction wi) { return scale * rest(wi); };
+  // Straight on, the plane is that of the sector.
+  const bool is_vertical = wo.x == 0 && wo.y == 0;
+  const double px = is_vertical ? std::cos(sector.azimuth) : wo.x,
+               py = is_vertical ? std::sin(sector.azimuth) : wo.y;
+  return [scale, px, py, left = sector.rest.towards(wo), right = sector.right.towards(wo)](
+             Direction wi) { return scale * (px * wi.y - py * wi.x >= 0 ? left : right)(wi); };
+}
+
 std::function<Rgb(Direction)> LobeTable::towards(Direction wo) const {
   // Away from the limit: where both directions graze, single scattering has none.
   const Direction o = raised_to(wo, Grid::kLeastMu);
-  const double place = kScalesPerNode * Grid::place_of_mu(o.z);
-  const auto k = std::min(static_cast<std::size_t>(place), scales_.size() - 2);
-  const double x = place - static_cast<double>(k);
-  const Rgb scale = (1 - x) * scales_[k] + x * scales_[k + 1];
-  return [this, o, scale, rest = rest_.towards(o)](Direction wi) {
+  if (!has_azimuth())
+    return [this, o, rest = rest_towards(tables_.front(), o)](Direction wi) {
+      const Direction i = raised_to(wi, Grid::kLeastMu);
+      return closed(i, o) + rest(i);
+    };
+  const double turn = (azimuth(o) - symmetry_.azimuth) / (2 * kPi),
+               place = (turn - std::floor(turn)) * kSectors;
+  const int from = std::min(static_cast<int>(place), kSectors - 1);
+  const double x = place - from;
+  return [this, o, x, first = rest_towards(tables_[from], o),
+          second = rest_towards(tables_[(from + 1) % kSectors], o)](Direction wi) {
     const Direction i = raised_to(wi, Grid::kLeastMu);
-    return closed(i, o) + scale * rest(i);
+    return closed(i, o) + (1 - x) * first(i) + x * second(i);
   };
 }
 
@@ -158,13 +193,13 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool mu
           return field.multiple(static_cast<std::size_t>(node), static_cast<std::size_t>(o), angle)
               .order[Order::all];
         };
-        rest_.at(o, a, b) = (1 - x) * value(i) + x * value(i + 1);
+        tables_.front().rest.at(o, a, b) = (1 - x) * value(i) + x * value(i + 1);
       }
   });
   for (int o = 0; o < Grid::kOut; ++o)
     for (int a = 0; a < Grid::kAlpha; ++a)
       for (int b = 0; b < Grid::kBeta; ++b)
-        if (const Rgb f = rest_.at(o, a, b); !std::isfinite(f.r + f.g + f.b))
+        if (const Rgb f = tables_.front().rest.at(o, a, b); !std::isfinite(f.r + f.g + f.b))
           return "its numbers are not finite";
   for (const DeterministicEnergies& e : solution.energies(out)) {
     RestEnergy energy;
@@ -175,7 +210,7 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool mu
       energy.direct_error[c] = closed_ == Closed::order_one ? reached * energy.direct[c] : kUnknown;
       energy.total_error[c] = std::abs(e.sum()[c] - 1);
     }
-    energies_.push_back(energy);
+    tables_.front().energies.push_back(energy);
   }
   source_ = fmt::format("adding and doubling, {} {:.1g}",
                         solution.accuracy().reached ? "tolerance" : "no further than",
@@ -190,100 +225,119 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
   const int first = closed_ == Closed::order_one ? 1 : 0;
   const int end = closed_ == Closed::order_one || !boundaries ? kTallyOrders : kZeroSlot + 1;
   double mirrored_by_flakes = 0;
-  FirstLook look(request, Grid::kOut, kWalkSeconds, kPreviewWalks);
+  FirstLook look(request, Grid::kOut * tables_.size(), kWalkSeconds, kPreviewWalks);
   std::uint64_t fewest = request.effort.walks;
-  for (int o = 0; o < Grid::kOut; ++o) {
-    // Reflection is reciprocal here: the walks begin where the viewer is.
-    const double mu = Grid::node_mu(o);
-    std::vector<Direction> points;
-    for (int a = 0; a < Grid::kAlpha; ++a)
-      for (int b = 0; b < Grid::kBeta; ++b) points.push_back(Grid::node_wi(mu, a, b));
-    const Direction wo = direction_from_mu_phi(mu, 0);
-    Simulation simulation(request.stack, plan, wo, points, request.seed);
-    run(simulation, look.next(), {}, stop);
-    fewest = std::min(fewest, simulation.walks());
-    const Rgb mirrored = specular(wo);
-    RestEnergy energy;
-    for (int c = 0; c < 3; ++c) {
-      const int channel = std::min(c, plan.channels - 1);
-      for (std::size_t j = 0; j < points.size(); ++j) {
-        const auto rest = [&](const BatchTally& b) {
-          double sum = 0;
-          for (int order = first; order < end; ++order)
-            sum +=
-                b.f[static_cast<std::size_t>(order * plan.channels + channel) * points.size() + j];
-          return sum;
+  constexpr int kOneSide = Grid::kAlpha * Grid::kBeta;
+  for (std::size_t k = 0; k < tables_.size(); ++k) {
+    if (has_azimuth() && mirror_sector(static_cast<int>(k))) continue;
+    Sector& sector = tables_[k];
+    for (int o = 0; o < Grid::kOut; ++o) {
+      // Reflection is reciprocal here: the walks begin where the viewer is.
+      std::vector<Direction> points;
+      for (int side = 0; side < sides(); ++side)
+        for (int a = 0; a < Grid::kAlpha; ++a)
+          for (int b = 0; b < Grid::kBeta; ++b) points.push_back(incoming(sector, o, a, b, side));
+      const Direction wo = outgoing(sector, o);
+      Simulation simulation(request.stack, plan, wo, points, request.seed);
+      run(simulation, look.next(), {}, stop);
+      fewest = std::min(fewest, simulation.walks());
+      const Rgb mirrored = specular(wo);
+      RestEnergy energy;
+      for (int c = 0; c < 3; ++c) {
+        const int channel = std::min(c, plan.channels - 1);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+          const auto rest = [&](const BatchTally& b) {
+            double sum = 0;
+            for (int order = first; order < end; ++order)
+              sum += b.f[static_cast<std::size_t>(order * plan.channels + channel) * points.size() +
+                         j];
+            return sum;
+          };
+          const int at = static_cast<int>(j) % kOneSide;
+          HalfVectorGrid& grid = static_cast<int>(j) < kOneSide ? sector.rest : sector.right;
+          double& value = grid.at(o, at / Grid::kBeta, at % Grid::kBeta)[c];
+          value = batch_estimate(simulation.batches(), rest).value;
+          if (closed_ == Closed::zero) value -= closed(wo, points[j])[c];
+        }
+        const auto reflected = [&](int from) {
+          return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+            double sum = 0;
+            for (int order = from; order < kTallyOrders; ++order)
+              sum += b.energy.up[order][channel];
+            return sum;
+          });
         };
-        double& value =
-            rest_.at(o, static_cast<int>(j) / Grid::kBeta, static_cast<int>(j) % Grid::kBeta)[c];
-        value = batch_estimate(simulation.batches(), rest).value;
-        if (closed_ == Closed::zero) value -= closed(wo, points[j])[c];
-      }
-      const auto reflected = [&](int from) {
-        return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-          double sum = 0;
-          for (int order = from; order < kTallyOrders; ++order) sum += b.energy.up[order][channel];
-          return sum;
+        // What thinning has taken is 0 on average. With it a half space that absorbs nothing
+        // reflects 1 in every batch, without noise.
+        const Estimate total = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+          double sum = b.energy.thinned[channel];
+          for (int order = 0; order < kTallyOrders; ++order) sum += b.energy.up[order][channel];
+          return sum + b.energy.zero_up[channel];
         });
-      };
-      // What thinning has taken is 0 on average. With it a half space that absorbs nothing
-      // reflects 1 in every batch, without noise.
-      const Estimate total = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-        double sum = b.energy.thinned[channel];
-        for (int order = 0; order < kTallyOrders; ++order) sum += b.energy.up[order][channel];
-        return sum + b.energy.zero_up[channel];
-      });
-      const Estimate direct = reflected(1);
-      energy.total[c] = total.value - mirrored[c];
-      energy.total_error[c] = total.standard_error;
-      energy.direct[c] = direct.value;
-      energy.direct_error[c] = boundaries ? kUnknown : direct.standard_error;
-      if (!boundaries || has_delta_flakes(stack_))
-        for (const BatchTally& b : simulation.batches())
-          mirrored_by_flakes += b.energy.specular_up[channel];
+        const Estimate direct = reflected(1);
+        energy.total[c] = total.value - mirrored[c];
+        energy.total_error[c] = total.standard_error;
+        energy.direct[c] = direct.value;
+        energy.direct_error[c] = boundaries ? kUnknown : direct.standard_error;
+        if (!boundaries || has_delta_flakes(stack_))
+          for (const BatchTally& b : simulation.batches())
+            mirrored_by_flakes += b.energy.specular_up[channel];
+      }
+      sector.energies.push_back(energy);
     }
-    energies_.push_back(energy);
   }
   source_ =
-      fmt::format("{} next-event walks for each of {} outgoing cosines{}", fewest, Grid::kOut,
+      fmt::format("{} next-event walks for each of {} outgoing {}{}", fewest,
+                  Grid::kOut * tables_.size(), has_azimuth() ? "directions" : "cosines",
                   fewest < request.effort.walks && !is_set(stop)
                       ? fmt::format(" or more, of {} in {:g} s", request.effort.walks, kWalkSeconds)
                       : "");
   // Straight on every azimuth is the same: what walks found at each of them is one value.
-  for (int a = 0; a < Grid::kAlpha; ++a) {
-    Rgb mean;
-    for (int b = 0; b < Grid::kBeta; ++b) mean += 1.0 / Grid::kBeta * rest_.at(0, a, b);
-    for (int b = 0; b < Grid::kBeta; ++b) rest_.at(0, a, b) = mean;
-  }
+  if (!has_azimuth())
+    for (int a = 0; a < Grid::kAlpha; ++a) {
+      Rgb mean;
+      for (int b = 0; b < Grid::kBeta; ++b)
+        mean += 1.0 / Grid::kBeta * tables_.front().rest.at(0, a, b);
+      for (int b = 0; b < Grid::kBeta; ++b) tables_.front().rest.at(0, a, b) = mean;
+    }
   // Light that met mirrors only leaves as a delta, which no picture here has: energies with it say
   // nothing of the table.
   if (mirrored_by_flakes > 0) {
-    energies_.clear();
+    for (Sector& sector : tables_) sector.energies.clear();
     source_ += ", without the mirror image of its delta flakes";
   }
 }
 
-void LobeTable::scale_to_energies() {
+void LobeTable::scale_to_energies(Sector& sector) {
   const std::size_t count = kScalesPerNode * (Grid::kOut - 1) + 1;
-  scales_.assign(count, Rgb(1));
-  if (energies_.empty()) return;
+  sector.scales.assign(count, Rgb(1));
+  if (sector.energies.empty()) return;
   std::vector<Rgb> first(count), shape(count), mirrored(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const double mu = Grid::node_mu(static_cast<double>(k) / kScalesPerNode);
-    const Direction wo = direction_from_mu_phi(mu, 0);
+    const Direction wo = direction_from_mu_phi(mu, sector.azimuth);
     const auto raised = [](Direction wi) { return raised_to(wi, Grid::kLeastMu); };
     mirrored[k] = specular(wo);
-    first[k] = lobe_cells([&](Direction wi) { return closed(raised(wi), wo); }, mu).energy;
-    shape[k] =
-        lobe_cells([&, rest = rest_.towards(wo)](Direction wi) { return rest(raised(wi)); }, mu)
-            .energy;
+    // lobe_cells knows one side of the plane of w_o = (sine, 0, mu).
+    const double c = std::cos(sector.azimuth), s = std::sin(sector.azimuth);
+    const auto rest = rest_towards(sector, wo);
+    for (int side = 0; side < sides(); ++side) {
+      const auto turned = [&](Direction w) {
+        if (side == 1) w.y = -w.y;
+        return raised({c * w.x - s * w.y, s * w.x + c * w.y, w.z});
+      };
+      const double share = 1.0 / sides();
+      first[k] +=
+          share * lobe_cells([&](Direction wi) { return closed(turned(wi), wo); }, mu).energy;
+      shape[k] += share * lobe_cells([&](Direction wi) { return rest(turned(wi)); }, mu).energy;
+    }
   });
   for (int c = 0; c < 3; ++c) {
     // At the nodes: of the table's orders, and of all.
     std::vector<double> rest, all;
     bool total_is_better = true;
-    for (std::size_t o = 0; o < energies_.size(); ++o) {
-      const RestEnergy& e = energies_[o];
+    for (std::size_t o = 0; o < sector.energies.size(); ++o) {
+      const RestEnergy& e = sector.energies[o];
       const double closed_energy = first[kScalesPerNode * o][c];
       const bool better = e.total_error[c] + kLobeTolerance * closed_energy < e.direct_error[c];
       total_is_better = total_is_better && better;
@@ -298,7 +352,7 @@ void LobeTable::scale_to_energies() {
       const double wanted = total_is_better
                                 ? interpolated(all, place) - mirrored[k][c] - first[k][c]
                                 : interpolated(rest, place);
-      scales_[k][c] = std::max(wanted, 0.0) / shape[k][c];
+      sector.scales[k][c] = std::max(wanted, 0.0) / shape[k][c];
     }
   }
 }
@@ -314,31 +368,52 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
                   : law && law->is_stochastic() ? Closed::nothing
                                                 : Closed::order_one;
   check_estimator(drawn);
-  const bool solvable = !why_not_deterministic(stack) && request.given.empty();
+  const bool is_turned = !stack.is_symmetric_about_z();
+  if (is_turned) {
+    table.symmetry_ = sector_symmetry(stack);
+    table.tables_.resize(kSectors);
+    for (int k = 0; k < kSectors; ++k)
+      table.tables_[k].azimuth = table.symmetry_.azimuth + 2 * kPi * k / kSectors;
+  }
+  const bool in_harmonics = is_turned && !why_not_harmonic(stack) && !stack.has_boundaries();
+  const bool solvable =
+      (is_turned ? in_harmonics : !why_not_deterministic(stack)) && request.given.empty();
   const bool must = request.estimator == Estimator::deterministic;
   std::optional<std::string> unsolved = "not tried";
-  if (must || (solvable && !request.estimator)) {
+  if (is_turned && must && !in_harmonics)
+    throw UsageError(
+        fmt::format("--estimator: found \"deterministic\" for the table of {}, but {}; allowed: "
+                    "auto, next-event",
+                    stack.name, why_not_harmonic(stack).value_or("interfaces are left to walks")));
+  if (in_harmonics && (must || (solvable && !request.estimator))) {
+    table.solve_in_harmonics(request, stop);
+    unsolved.reset();
+  } else if (must || (solvable && !request.estimator)) {
     unsolved = table.solve(stack, request.isa, must, stop, report);
     if (unsolved && must) refuse_answer(stack, *unsolved);
   }
   if (unsolved) table.walk(drawn, stop);
-  table.scale_to_energies();
+  for (Sector& sector : table.tables_) table.scale_to_energies(sector);
   if (has_narrow_lobes(request.stack))
     table.source_ += fmt::format("; roughness below {} drawn as smooth", kLeastLobe);
   return table;
 }
 
 void check_preview(const std::string& what, const Stack& stack) {
-  const char* found = !stack.is_symmetric_about_z() ? "a stack with a preferred azimuth"
-                      : stack.grains()              ? "explicit geometry"
-                      : stack.has_grid()            ? "a density grid"
+  const bool leans = std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
+    const Direction n = traits(layer.medium).mean_normal.value;
+    return !layer.interface && (n.x != 0 || n.y != 0);
+  });
+  const char* found = stack.grains()     ? "explicit geometry"
+                      : stack.has_grid() ? "a density grid"
+                      : leans ? "one-sided flakes that lean, whose reflection is not reciprocal"
                       : !has_reciprocal_substrate(stack)
                           ? "a substrate whose closed form is not reciprocal"
                           : nullptr;
   if (found)
     throw UsageError(
-        fmt::format("{} {}: found {}; allowed: homogeneous layers and interfaces, symmetric about "
-                    "z, over none or a reciprocal substrate",
+        fmt::format("{} {}: found {}; allowed: homogeneous layers and interfaces over none or a "
+                    "reciprocal substrate; preview --shape takes any",
                     what, stack.name, found));
 }
 

@@ -13,6 +13,22 @@
 
 namespace lamella {
 
+/// Vertical planes that mirror a stack onto itself: one with an azimuth, and the one across it.
+struct SectorSymmetry {
+  double azimuth = 0;                  ///< [radians]; of the plane, or where sectors begin
+  bool along = false, across = false;  ///< across: only where `along` is
+
+  /// Of `count` sectors from `azimuth` on, the one below k whose mirror image k is; k: none.
+  struct Image {
+    int sector;
+    bool turned_over;  ///< mirrored once, not twice: left is right
+  };
+  [[nodiscard]] Image image_of(int k, int count) const;
+};
+
+/// Of layers whose projected areas tell all of their orientation, as those of two-sided flakes do.
+[[nodiscard]] SectorSymmetry sector_symmetry(const Stack& stack);
+
 /// Walks per outgoing node where no number is asked for: enough for a picture.
 inline constexpr std::uint64_t kPreviewWalks = 10000;
 
@@ -20,8 +36,10 @@ inline constexpr std::uint64_t kPreviewWalks = 10000;
 /// wide as a pixel of a sphere.
 inline constexpr double kLeastLobe = 0.01;
 
-/// The reflection of a stack that is symmetric about z at any pair of directions, fast enough for a
-/// picture: what is closed, exactly, plus an interpolated table of the rest. Closed are order 1,
+/// The reflection of a stack at any pair of directions, fast enough for a picture: what is closed,
+/// exactly, plus an interpolated table of the rest. Where the stack is not symmetric about z there
+/// is a table for each of kSectors azimuths of w_o, for each side of its plane, and f is linear
+/// between them. Closed are order 1,
 /// or, where an interface is rough, one event at it (closed_orders.h); what smooth interfaces and
 /// smooth conductors mirror is a delta and stands apart (`specular`). Rough ones of alpha below
 /// kLeastLobe are drawn as smooth.
@@ -49,9 +67,14 @@ class LobeTable {
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
 
-  /// By adding and doubling where the solver applies and reaches a small enough error (the
-  /// estimator `auto`), else by as many next-event walks per outgoing node as are asked for. For
-  /// stacks that `check_preview` lets pass.
+  /// Whether f depends on the azimuth of w_o.
+  [[nodiscard]] bool has_azimuth() const { return tables_.size() > 1; }
+  static constexpr int kSectors = 16;
+
+  /// By adding and doubling, or in spherical harmonics where the stack is not symmetric about z,
+  /// where these apply and reach a small enough error (the estimator `auto`); else by as many
+  /// next-event walks per outgoing node as are asked for. For stacks that `check_preview` lets
+  /// pass.
   [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop,
                                       const SolverReport& report = {});
 
@@ -64,6 +87,25 @@ class LobeTable {
     Rgb direct, direct_error;  // those orders' own
     Rgb total, total_error;    // of all orders without deltas: less the closed form's energy
   };
+  // Of one azimuth of w_o.
+  struct Sector {
+    double azimuth = 0;
+    HalfVectorGrid rest;                 // what is not closed; w_i to the left of w_o's plane
+    HalfVectorGrid right{};              // to the right of it, where the stack is not symmetric
+    std::vector<Rgb> scales{};           // of them at every node in mu_o and between two
+    std::vector<RestEnergy> energies{};  // of the nodes in mu_o
+  };
+  // w_o of a node, and w_i of one; side: 0 left, 1 right.
+  [[nodiscard]] static Direction outgoing(const Sector& sector, int out);
+  [[nodiscard]] static Direction incoming(const Sector& sector, int out, int alpha, int beta,
+                                          int side);
+  [[nodiscard]] int sides() const { return has_azimuth() ? 2 : 1; }
+  [[nodiscard]] std::function<Rgb(Direction)> rest_towards(const Sector& sector,
+                                                           Direction wo) const;
+  // Whether another sector's table, mirrored, is that of sector k, which it then is.
+  [[nodiscard]] bool mirror_sector(int k);
+  void solve_in_harmonics(const TruthRequest& request, const StopFlag* stop);
+  void scale_to_energies(Sector& sector);
   [[nodiscard]] Rgb closed(Direction wi, Direction wo) const;
   // Why the solver has no answer, if it has none, or one that is not near enough and no `must`.
   std::optional<std::string> solve(const Stack& stack, Isa isa, bool must, const StopFlag* stop,
@@ -73,15 +115,14 @@ class LobeTable {
 
   Stack stack_;
   Closed closed_ = Closed::order_one;
-  HalfVectorGrid rest_;               // what is not closed
-  std::vector<Rgb> scales_;           // of them at every node in mu_o and between two
-  std::vector<RestEnergy> energies_;  // of the nodes in mu_o
+  std::vector<Sector> tables_{1};  // one, or kSectors
+  SectorSymmetry symmetry_{};
   std::string source_;
 };
 
 /// Throws UsageError, which names `what` asked for the table, for a stack whose reflection the
-/// table cannot hold: one that is not symmetric about z, is explicit geometry, has a
-/// grid, or a substrate whose closed form is not reciprocal.
+/// table cannot hold: one that is explicit geometry, has a grid, one-sided flakes whose mean normal
+/// is not vertical, or a substrate whose closed form is not reciprocal.
 void check_preview(const std::string& what, const Stack& stack);
 
 }  // namespace lamella

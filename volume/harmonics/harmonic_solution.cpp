@@ -55,6 +55,24 @@ std::array<double, kHarmonicParts> HarmonicSolution::f(Direction wo) const {
   return f;
 }
 
+VectorXd HarmonicSolution::multiple(std::span<const Direction> wo,
+                                    const MatrixXd& harmonics) const {
+  MatrixXd sum = sources_[0].coefficients;
+  double ground = ground_[0];
+  for (int k = 1; k < kHarmonicOrders; ++k) {
+    sum += sources_[k].coefficients;
+    ground += ground_[k];
+  }
+  const MatrixXd values = transport_.product()(sum.transpose(), harmonics);
+  VectorXd f(static_cast<Index>(wo.size()));
+  tbb::parallel_for(std::size_t{0}, wo.size(), [&](std::size_t k) {
+    const double* places[] = {values.col(static_cast<Index>(k)).data()};
+    const double grounds[] = {ground};
+    transport_.leaving(wo[k], places, grounds, &f[static_cast<Index>(k)]);
+  });
+  return f;
+}
+
 // Gauss-Legendre in the azimuth of every cell and, with two points more, in its elevation; the row
 // at grazing, where radiance behaves like mu log mu, in strips.
 std::array<std::vector<double>, kOpenParts> HarmonicSolution::means(const CellGrid& grid, bool up,

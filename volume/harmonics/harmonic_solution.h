@@ -45,6 +45,9 @@ class HarmonicSolution {
   [[nodiscard]] const HarmonicEnergies& energies() const { return energies_; }
   /// f [1/sr] by part.
   [[nodiscard]] std::array<double, kHarmonicParts> f(Direction wo) const;
+  /// f of all orders from 2 on together, along directions whose harmonics are the columns.
+  [[nodiscard]] Eigen::VectorXd multiple(std::span<const Direction> wo,
+                                         const Eigen::MatrixXd& harmonics) const;
   [[nodiscard]] HarmonicCells cells(const CellGrid& grid, bool up) const;
 
  private:
