@@ -62,7 +62,7 @@ class RandomStack {
 };
 
 TEST(BoundedRun, AgreesWithWalksOnRandomStacks) {
-  const int stacks = is_soak() ? 60 : 10;
+  const int stacks = is_soak() ? 30 : 10;
   const double limit = testing::normal_quantile(testing::test_level() / 100 / stacks);
   for (int n = 0; n < stacks; ++n) {
     RandomStack random(n);
@@ -78,7 +78,7 @@ TEST(BoundedRun, AgreesWithWalksOnRandomStacks) {
     EXPECT_LT(solved.accuracy->error, 0.05) << random.toml();
     EXPECT_NEAR(ledger_sum(solved, 0), 1, 1e-4) << random.toml();
     Simulation walks(stack, plan, wi[0], Estimator::analog, grid, 5);
-    walks.advance(200000);
+    walks.advance(is_soak() ? 100000000 : 200000);
     const RunResult found = reduce(walks);
     const auto agree = [&](const Estimate& a, const Estimate& b, const std::string& what) {
       EXPECT_LT(std::abs(a.value - b.value), limit * b.standard_error + a.standard_error + 1e-6)

@@ -252,7 +252,7 @@ TEST(HarmonicRun, AgreesWithWalksOnRandomStacks) {
     const RunResult solved = harmonic_runs(
         stack, plan, wi, grid, {.tolerance = 1e-2, .max_seconds = kInfinity, .max_degree = 24})[0];
     Simulation walks(stack, plan, wi[0], Estimator::analog, grid, 5);
-    walks.advance(400000);
+    walks.advance(is_soak() ? 100000000 : 400000);
     const RunResult found = reduce(walks);
     const auto agree = [&](const Estimate& a, const Estimate& b, const std::string& what) {
       EXPECT_LT(std::abs(a.value - b.value), limit * b.standard_error + a.standard_error + 1e-6)
