@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volume/harmonics/beam_quadrature.h"
 #include "volume/harmonics/gmres.h"
-#include "volume/harmonics/harmonic_scope.h"
-#include "volume/kernel/forward_projection.h"
 #include "volume/quadrature/direction_sets.h"
 
 namespace lamella {
@@ -20,16 +17,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxIterations = 300;
-// Width of phase functions that the nodes resolve [radians].
-constexpr double kSmooth = 0.3;
-// Sums over directions are made in this many pieces, whatever the number of threads.
-constexpr int kPieces = 32;
-
-int ray_points(int degree) { return std::max(32, degree + 8); }
-int rays_for(int degree) { return 2 * degree + 64; }
-
-Direction turned_over(Direction v) { return {v.x, v.y, -v.z}; }
-
 // The step from light of one order to light of another; 4 stands for 4 and more.
 OrderStep step_between(int from, int to) {
   if (to < 4) return {OrderStep::Kind::by, to - from};
@@ -48,36 +35,6 @@ bool is_dark(const std::vector<FaceLight>& light) {
   for (const FaceLight& face : light)
     if (!face.down.isZero(0) || !face.up.isZero(0)) return false;
   return true;
-}
-
-// Cosines within a block beyond which light is totally reflected somewhere.
-std::vector<double> critical_within(double index, const std::vector<StackElement>& elements) {
-  std::vector<double> cosines;
-  for (const StackElement& e : elements)
-    for (const double other : {e.above, e.below})
-      if (other < index) cosines.push_back(std::sqrt((1 - other / index) * (1 + other / index)));
-  std::sort(cosines.begin(), cosines.end());
-  cosines.erase(std::unique(cosines.begin(), cosines.end()), cosines.end());
-  return cosines;
-}
-
-// What light along directions that are no nodes is at the nodes of a hemisphere: values whose sums
-// with functions that are polynomials over u^3 on each panel are the integrals, as those of facets
-// are (volume/DETERMINISTIC.md). Rows: nodes.
-VectorXd at_nodes(const DirectionSets& sets, double mu) {
-  VectorXd values = VectorXd::Zero(sets.nodes());
-  const auto panel = std::find_if(sets.panels.begin(), sets.panels.end() - 1,
-                                  [&](const NodePanel& p) { return mu >= p.low(); });
-  const Quadrature& rule = cached_gauss_legendre(static_cast<int>(panel->count));
-  const double u = std::max(panel->parameter(mu), 1e-12);
-  VectorXd place(1);
-  place[0] = u;
-  const MatrixXd lagrange = lagrange_values(rule, place);
-  for (Index j = 0; j < panel->count; ++j) {
-    const double ratio = rule.points[j] / u;
-    values[panel->first + j] = lagrange(0, j) * ratio * ratio * ratio / sets.flux[panel->first + j];
-  }
-  return values;
 }
 
 }  // namespace
@@ -122,20 +79,16 @@ void BoundedSolution::find_beams() {
     arriving_.up.push_back(k == blocks ? (from_above ? 0 : 1) : beam.up[transport_.place_above(k)]);
   }
   for (std::size_t b = 0; b < blocks; ++b) {
-    beams_.emplace_back();
-    const LayeredStreams& streams = transport_.block(b).streams();
+    std::vector<BlockBeams::Beam> beams;
     const double index = transport_.surroundings().blocks()[b].index;
-    const std::size_t above = transport_.place_above(b);
+    const std::size_t above = transport_.place_above(b), below = transport_.place_below(b);
     const double mu = beam.mu[above];
-    if (!(mu > 0)) continue;
     for (const bool down : {true, false}) {
-      const double power = down ? beam.down[above] : beam.up[transport_.place_below(b)];
-      if (!(power > 0)) continue;
-      Beam in{refracted_to(wi_, from, index, down ? mu : -mu), VectorXd(streams.size()), power};
-      streams.beam(in.w, in.share.data());
-      in.share *= power;
-      beams_.back().push_back(std::move(in));
+      const double power = down ? beam.down[above] : beam.up[below];
+      if (mu > 0 && power > 0)
+        beams.push_back({refracted_to(wi_, from, index, down ? mu : -mu), power});
     }
+    beams_.emplace_back(transport_, b, std::move(beams));
   }
   energies_.uncollided = from_above ? beam.down.back() : beam.up.front();
   energies_.mirrored = from_above ? beam.up.front() : beam.down.back();
@@ -164,128 +117,6 @@ FaceLight BoundedSolution::crossed(std::size_t b, FaceLight light) const {
   return light;
 }
 
-FaceLight BoundedSolution::emitted_at_nodes(std::size_t b) const {
-  const SphereGrid& grid = transport_.grid(b);
-  const BlockTransport& block = transport_.block(b);
-  const LayeredStreams& streams = block.streams();
-  FaceLight light = transport_.no_light()[b];
-  const Index nodes = light.up.rows();
-  tbb::parallel_for(0, grid.size(), [&](int k) {
-    const Direction v = grid.direction(k);
-    std::vector<double> prepared(streams.block_size()), scattered(streams.parts().size());
-    VectorXd source(streams.size());
-    streams.prepare(v, prepared.data(), false);
-    double& leaves =
-        (v.z > 0 ? light.up : light.down)((k / grid.azimuths()) % nodes, k % grid.azimuths());
-    for (const Beam& beam : beams_[b]) {
-      block.beam_source(beam.w, v, beam.share, source, scattered.data());
-      leaves += streams.march(v, prepared.data(), source.data(), 0, nullptr);
-    }
-  });
-  return light;
-}
-
-FaceLight BoundedSolution::mirrored_within(std::size_t b, const FaceLight& emitted) const {
-  const BlockSurroundings& around = transport_.surroundings();
-  FaceLight light{MatrixXd::Zero(emitted.down.rows(), emitted.down.cols()),
-                  MatrixXd::Zero(emitted.up.rows(), emitted.up.cols())};
-  const Index nodes = light.up.rows(), azimuths = light.up.cols();
-  for (Index row = 0; row < nodes; ++row) {
-    const double top = around.mirror(b, true, row), bottom = around.mirror(b, false, row);
-    if (top == 0 && bottom == 0) continue;
-    for (Index p = 0; p < azimuths; ++p) {
-      const double up = transport_.crossing(b, static_cast<int>(row * azimuths + p));
-      const double down = transport_.crossing(b, static_cast<int>((nodes + row) * azimuths + p));
-      light.down(row, p) = top * (emitted.up(row, p) + up * bottom * emitted.down(row, p)) /
-                           (1 - top * bottom * up * down);
-      light.up(row, p) = bottom * (emitted.down(row, p) + down * light.down(row, p));
-    }
-  }
-  return light;
-}
-
-BoundedSolution::FirstOfBeams BoundedSolution::first_of_beams(std::size_t b) {
-  const BlockSurroundings& around = transport_.surroundings();
-  const BlockTransport& block = transport_.block(b);
-  const LayeredStreams& streams = block.streams();
-  const HarmonicBasis& basis = transport_.basis();
-  const DirectionSets& sets = around.sets(b);
-  const Index nodes = sets.nodes(), waves = around.waves();
-  MatrixXd coefficients = MatrixXd::Zero(basis.size(), streams.size());
-  FaceLight emitted{MatrixXd::Zero(nodes, waves), MatrixXd::Zero(nodes, waves)};
-  const std::vector<double> cuts = critical_within(around.blocks()[b].index, transport_.elements());
-  for (const Beam& beam : beams_[b]) {
-    transport_.resolution().check_stop();
-    const BeamQuadrature rule(-beam.w, ray_points(basis.degree()), rays_for(basis.degree()), cuts);
-    const int directions = static_cast<int>(rule.directions.size());
-    struct Piece {
-      MatrixXd coefficients;
-      FaceLight emitted;
-      double absorbed = 0;
-      std::vector<double> scattered;
-    };
-    std::vector<Piece> pieces(kPieces);
-    tbb::parallel_for(0, kPieces, [&](int p) {
-      const int begin = directions * p / kPieces, end = directions * (p + 1) / kPieces;
-      Piece& piece = pieces[p];
-      const std::size_t layers = streams.parts().size();
-      piece.scattered.assign(layers, 0);
-      MatrixXd harmonics(basis.size(), 2 * (end - begin)),
-          radiance = MatrixXd::Zero(streams.size(), 2 * (end - begin));
-      MatrixXd up_nodes = MatrixXd::Zero(nodes, end - begin), down_nodes = up_nodes;
-      std::vector<double> there(streams.block_size()), back(streams.block_size()),
-          scattered(layers), phi;
-      VectorXd source(streams.size()), values(basis.size());
-      const VectorXd none = VectorXd::Zero(streams.size());
-      for (int k = begin; k < end; ++k) {
-        const Direction v = rule.directions[k], mirrored = turned_over(v);
-        const double weight = rule.weights[k], mu = std::abs(v.z);
-        block.beam_source(beam.w, v, beam.share, source, scattered.data());
-        for (std::size_t n = 0; n < layers; ++n) piece.scattered[n] += weight * scattered[n];
-        const bool up = v.z > 0;
-        const double ahead = around.mirror_at(b, up, mu), behind = around.mirror_at(b, !up, mu);
-        streams.prepare(v, there.data());
-        const Index column = k - begin;
-        const double leaves = streams.march(v, there.data(), source.data(), 0, nullptr);
-        (up ? up_nodes : down_nodes).col(column) = weight * mu * leaves * at_nodes(sets, mu);
-        phi.push_back(azimuth(v));
-        double entering = 0;
-        if (ahead > 0) {
-          streams.prepare(mirrored, back.data());
-          const double on = streams.crossing(v), off = streams.crossing(mirrored);
-          const double returns = ahead * leaves / (1 - ahead * behind * on * off);
-          entering = behind * off * returns;
-          streams.march(mirrored, back.data(), none.data(), returns,
-                        radiance.col(2 * column + 1).data());
-          piece.absorbed += weight * block.collided(mirrored, radiance.col(2 * column + 1).data());
-        }
-        streams.march(v, there.data(), source.data(), entering, radiance.col(2 * column).data());
-        piece.absorbed += weight * block.collided(v, radiance.col(2 * column).data());
-        basis.values(v, values);
-        harmonics.col(2 * column) = weight * values;
-        basis.values(mirrored, values);
-        harmonics.col(2 * column + 1) = weight * values;
-      }
-      const MatrixXd around_z = BoundedTransport::waves_at(waves, phi);
-      piece.coefficients = transport_.product()(harmonics, radiance.transpose());
-      piece.emitted = {transport_.product()(down_nodes, around_z),
-                       transport_.product()(up_nodes, around_z)};
-    });
-    std::vector<double> scattered(streams.parts().size(), 0);
-    for (const Piece& piece : pieces) {
-      coefficients += piece.coefficients;
-      emitted.down += piece.emitted.down;
-      emitted.up += piece.emitted.up;
-      energies_.absorbed += piece.absorbed;
-      for (std::size_t n = 0; n < scattered.size(); ++n) scattered[n] += piece.scattered[n];
-    }
-    energies_.absorbed += beam.power * block.first_absorbed(beam.w, scattered);
-  }
-  FirstOfBeams first{block.scattered(coefficients), std::move(emitted)};
-  energies_.absorbed -= block.sent_by_schlick(first.scattered);
-  return first;
-}
-
 void BoundedSolution::solve_first(std::size_t i) {
   const std::size_t blocks = transport_.blocks();
   around_[1] = raised(i, 1);
@@ -293,17 +124,12 @@ void BoundedSolution::solve_first(std::size_t i) {
   source.coefficients = sources_[1];
   std::vector<FaceLight> emitted = transport_.follow(source, false).leaving, of_beams, mirrored;
   std::vector<MatrixXd> scattered;
-  for (std::size_t b = 0; b < blocks; ++b) {
-    FirstOfBeams first = first_of_beams(b);
+  for (const BlockBeams& beams : beams_) {
+    BlockBeams::First first = beams.first();
+    energies_.absorbed += first.absorbed;
     scattered.push_back(std::move(first.scattered));
+    mirrored.push_back(beams.mirrored(first.emitted));
     of_beams.push_back(std::move(first.emitted));
-  }
-  of_beams = transport_.grid_of(of_beams);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    // What is smooth, nodes resolve better than moments do.
-    if (!transport_.block(b).has_mirrors() && narrowest_feature(transport_.layers(b)) > kSmooth)
-      of_beams[b] = emitted_at_nodes(b);
-    mirrored.push_back(mirrored_within(b, of_beams[b]));
   }
   add_to(emitted, of_beams);
   source.entering = transport_.settled(transport_.grid_of(around_[1].entering), emitted);
@@ -418,13 +244,7 @@ BoundedSolution::Ray BoundedSolution::ray_along(
   for (int order = 0; order < kOrders; ++order)
     if (values[order])
       ray.emitted[order] = streams.march(v, prepared.data(), values[order], 0, nullptr);
-  if (beams_[b].empty()) return ray;
-  VectorXd source(streams.size());
-  std::vector<double> scattered(streams.parts().size());
-  for (const Beam& beam : beams_[b]) {
-    block.beam_source(beam.w, v, beam.share, source, scattered.data());
-    ray.emitted[1] += streams.march(v, prepared.data(), source.data(), 0, nullptr);
-  }
+  if (!beams_[b].is_empty()) ray.emitted[1] += beams_[b].leaving(v, prepared.data());
   return ray;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "volume/harmonics/block_beams.h"
 #include "volume/harmonics/bounded_transport.h"
 #include "volume/harmonics/harmonic_solution.h"
 
@@ -25,11 +26,6 @@ class BoundedSolution {
  private:
   // Orders 0 to 3, and 4 and more.
   static constexpr int kOrders = 5;
-  struct Beam {
-    Direction w;            // where it comes from, in the block
-    Eigen::VectorXd share;  // of its power at the nodes
-    double power;           // that enters the block
-  };
 
   void find_beams();
   // What enters of that order, and leaves the stack, by light of lower orders.
@@ -39,16 +35,6 @@ class BoundedSolution {
   void solve_order(std::size_t i, int order);
   void solve_rest(std::size_t i);
   void take_energies(std::size_t i);
-  // Order 1 of the beams alone and its mirror images within a block: coefficients of what it
-  // becomes a source of, and what leaves the block before it is mirrored (waves at the nodes).
-  struct FirstOfBeams {
-    Eigen::MatrixXd scattered;
-    FaceLight emitted;
-  };
-  [[nodiscard]] FirstOfBeams first_of_beams(std::size_t b);
-  // The same light along the grid's directions, where it is smooth.
-  [[nodiscard]] FaceLight emitted_at_nodes(std::size_t b) const;
-  [[nodiscard]] FaceLight mirrored_within(std::size_t b, const FaceLight& emitted) const;
   [[nodiscard]] FaceLight crossed(std::size_t b, FaceLight light) const;
   // What one direction of a block has of its own: crossing, and what leaves by order.
   struct Ray {
@@ -61,7 +47,7 @@ class BoundedSolution {
   const BoundedTransport& transport_;
   Direction wi_;
   bool has_rough_;
-  std::vector<std::vector<Beam>> beams_;  // by block
+  std::vector<BlockBeams> beams_;  // by block
   ArrivingBeam arriving_;
   std::array<std::vector<Eigen::MatrixXd>, kOrders> sources_;  // coefficients by block, or empty
   std::array<std::vector<FaceLight>, kOrders> leaving_;        // waves

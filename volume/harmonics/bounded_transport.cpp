@@ -107,14 +107,16 @@ std::vector<FaceLight> BoundedTransport::waves_of(const std::vector<FaceLight>& 
 
 std::vector<FaceLight> BoundedTransport::grid_of(const std::vector<FaceLight>& waves) const {
   std::vector<FaceLight> grid;
-  for (std::size_t b = 0; b < waves.size(); ++b) {
-    const Index nodes = surroundings_.sets(b).nodes();
-    const auto at = [&](const MatrixXd& rows) {
-      return product()(rows.topRows(nodes), waves_.transpose());
-    };
-    grid.push_back({at(waves[b].down), at(waves[b].up)});
-  }
+  for (std::size_t b = 0; b < waves.size(); ++b) grid.push_back(grid_of(b, waves[b]));
   return grid;
+}
+
+FaceLight BoundedTransport::grid_of(std::size_t b, const FaceLight& waves) const {
+  const Index nodes = surroundings_.sets(b).nodes();
+  const auto at = [&](const MatrixXd& rows) {
+    return product()(rows.topRows(nodes), waves_.transpose());
+  };
+  return {at(waves.down), at(waves.up)};
 }
 
 MatrixXd BoundedTransport::values_at(const MatrixXd& waves, std::span<const double> phi) {

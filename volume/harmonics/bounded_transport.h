@@ -60,6 +60,7 @@ class BoundedTransport {
   /// Between azimuths and waves.
   [[nodiscard]] std::vector<FaceLight> waves_of(const std::vector<FaceLight>& grid) const;
   [[nodiscard]] std::vector<FaceLight> grid_of(const std::vector<FaceLight>& waves) const;
+  [[nodiscard]] FaceLight grid_of(std::size_t b, const FaceLight& waves) const;
   /// Values of the waves at azimuths (rows); of rows of waves at azimuths (columns).
   [[nodiscard]] static Eigen::MatrixXd waves_at(Eigen::Index waves, std::span<const double> phi);
   [[nodiscard]] static Eigen::MatrixXd values_at(const Eigen::MatrixXd& waves,
