@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lamella {
 
@@ -80,9 +81,11 @@ ThirdOrder::Beams ThirdOrder::beams(const VectorXd& mu, const VectorXd& sigma) c
   return b;
 }
 
-ThirdOrder::Light ThirdOrder::light(Index k, const Beams& d) const {
+ThirdOrder::Light ThirdOrder::light(Index k, const Beams& d, Light used) const {
   const Index size = d.mu.size(), count = t_.size();
-  Light f{MatrixXd(size, count), MatrixXd(size, count)};
+  Light f = std::move(used);
+  f.same.resize(size, count);
+  f.other.resize(size, count);
   const double mu = nodes_.mu[k], sigma = nodes_.sigma[k], own = sigma / mu;
   const ArrayXd rate = d.sigma.cwiseQuotient(d.mu);
   const ArrayXd per = 1 / mu / d.mu.array();
@@ -110,39 +113,49 @@ Lobes ThirdOrder::lobes(const Parts& kernel, const MatrixXd& on_out, const Matri
   const MatrixXd on = root * kernel[kAboveToDown].topLeftCorner(n, n) * root;
   const MatrixXd back = root * kernel[kAboveToUp].topLeftCorner(n, n) * root;
   const bool is_kept = !kept_in_.empty();
-  // Order 1 at the nodes (rows) by depth and column, the sum and the difference of both ways.
-  MatrixXd sum(n, count * columns), difference(n, count * columns);
+  Light made;
+  const auto light_of = [&](Index k, const Beams& beams,
+                            const std::vector<Light>& kept) -> const Light& {
+    return is_kept ? kept[k] : made = light(k, beams, std::move(made));
+  };
+  // Order 1 at the nodes (columns) by column and depth, the sum and the difference of both ways.
+  MatrixXd sum(columns * count, n), difference(columns * count, n);
   for (Index k = 0; k < n; ++k) {
-    const Light& f = is_kept ? kept_in_[k] : light(k, in_);
-    const MatrixXd same = (root_[k] * on_in.col(k)).asDiagonal() * f.same;
-    const MatrixXd other = (root_[k] * back_in.col(k)).asDiagonal() * f.other;
-    sum.row(k) = (same + other).reshaped<Eigen::RowMajor>().transpose();
-    difference.row(k) = (same - other).reshaped<Eigen::RowMajor>().transpose();
+    const Light& f = light_of(k, in_, kept_in_);
+    const VectorXd with = root_[k] * on_in.col(k), against = root_[k] * back_in.col(k);
+    sum.col(k).reshaped(columns, count) = with.asDiagonal() * f.same;
+    difference.col(k) = sum.col(k);
+    sum.col(k).reshaped(columns, count) += against.asDiagonal() * f.other;
+    difference.col(k).reshaped(columns, count) -= against.asDiagonal() * f.other;
   }
   // The source of order 2, in the same way.
-  const MatrixXd whole = product(on + back, sum) / 2, odd = product(on - back, difference) / 2;
+  const MatrixXd whole = product(sum, ((on + back) / 2).transpose().eval()),
+                 odd = product(difference, ((on - back) / 2).transpose().eval());
   Lobes f{MatrixXd::Zero(rows, columns), MatrixXd::Zero(rows, columns)};
-  const Index sides = infinite_ ? 1 : 2;
-  MatrixXd down(count, sides * columns), up(count, sides * columns);
+  MatrixXd down(count, columns), up(count, columns), as_it_is(rows, count), turned(rows, count);
   for (Index k = 0; k < n; ++k) {
-    for (Index i = 0; i < columns; ++i) {
-      const auto a = whole.row(k).segment(i * count, count).transpose();
-      const auto b = odd.row(k).segment(i * count, count).transpose();
-      down.col(i) = (a + b).cwiseProduct(weights_);
-      up.col(i) = (a - b).cwiseProduct(weights_);
-      if (infinite_) continue;
-      down.col(columns + i) = up.col(i).reverse();
-      up.col(columns + i) = down.col(i).reverse();
-    }
-    const Light& sent = is_kept ? kept_out_[k] : light(k, out_);
-    const MatrixXd other = product(sent.other, down), same = product(sent.same, up);
+    const auto a = whole.col(k).reshaped(columns, count), b = odd.col(k).reshaped(columns, count);
+    down = weights_.asDiagonal() * (a + b).transpose();
+    up = weights_.asDiagonal() * (a - b).transpose();
+    const Light& sent = light_of(k, out_, kept_out_);
     const VectorXd with = root_[k] * on_out.col(k), against = root_[k] * back_out.col(k);
-    f.r += against.asDiagonal() * other.leftCols(columns);
-    f.r += with.asDiagonal() * same.leftCols(columns);
-    if (infinite_) continue;
-    f.t += against.asDiagonal() * other.rightCols(columns);
-    f.t += with.asDiagonal() * same.rightCols(columns);
+    as_it_is = against.asDiagonal() * sent.other;
+    if (infinite_) {
+      product.add(as_it_is, down, f.r);
+      turned = with.asDiagonal() * sent.same;
+      product.add(turned, up, f.r);
+      continue;
+    }
+    // Turned over, the layer is the same: r + t and r - t are one product each. They stand in the
+    // places of r and t until the end.
+    turned = with.asDiagonal() * sent.same.rowwise().reverse();
+    product.add(as_it_is + turned, down + up.colwise().reverse(), f.r);
+    product.add(as_it_is - turned, down - up.colwise().reverse(), f.t);
   }
+  if (infinite_) return f;
+  const MatrixXd both = f.r;
+  f.r = (both + f.t) / 2;
+  f.t = (both - f.t) / 2;
   return f;
 }
 

@@ -35,8 +35,8 @@ class ThirdOrder {
     Eigen::MatrixXd same, other;
   };
   [[nodiscard]] Beams beams(const Eigen::VectorXd& mu, const Eigen::VectorXd& sigma) const;
-  // At node k, of beams along all directions (rows).
-  [[nodiscard]] Light light(Eigen::Index k, const Beams& directions) const;
+  // At node k, of beams along all directions (rows). used: memory to use again.
+  [[nodiscard]] Light light(Eigen::Index k, const Beams& directions, Light used = {}) const;
 
   Eigen::VectorXd root_;  // D
   Eigen::ArrayXd t_, rest_;
