@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volume/adding/modal_layer.h"
 #include "volume/adding/thin_layer.h"
 
 namespace lamella {
@@ -26,8 +27,8 @@ bool is_opaque(const OperatorSide& side) {
 
 }  // namespace
 
-LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
-                                const OperatorRules& rules) {
+LayerOperator doubled_layer(const LayerScattering& scattering, double depth,
+                            const OperatorRules& rules) {
   const Index n = rules.sets.nodes();
   double steepest = 0;
   for (const VectorXd& area : scattering.sigma_in)
@@ -71,6 +72,15 @@ LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
     layer.above.direct_out.setZero();
   }
   return layer;
+}
+
+LayerOperator homogeneous_layer(const LayerScattering& scattering, double depth,
+                                const OperatorRules& rules) {
+  if (rules.mode > 0 && scattering.two_sided) {
+    const ModalLayer modal(scattering, rules.sets, depth, ModalLayer::Scope::all, rules.orders);
+    if (auto layer = modal.layer(scattering, rules.mode, rules.product)) return std::move(*layer);
+  }
+  return doubled_layer(scattering, depth, rules);
 }
 
 }  // namespace lamella

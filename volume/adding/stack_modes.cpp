@@ -35,6 +35,40 @@ namespace {
 
 constexpr int kFirstModes = 8;
 
+// What a mode's operator does between directions that were asked for.
+AskedMode asked_of(const LayerOperator& op, const DirectionSets& sets, int m) {
+  using Eigen::Index;
+  using Eigen::VectorXd;
+  const Index nodes = sets.nodes(), asked = sets.in.size() - nodes;
+  AskedMode result;
+  for (int k = 0; k < kSeries; ++k) {
+    result.series[k][kAboveToUp] = asked_block(op.above.r[k], nodes, nodes);
+    result.series[k][kAboveToDown] = asked_block(op.above.t[k], nodes, nodes);
+    result.series[k][kBelowToDown] = asked_block(op.below.r[k], nodes, nodes);
+    result.series[k][kBelowToUp] = asked_block(op.below.t[k], nodes, nodes);
+  }
+  if (m > 0) return result;
+  for (const bool below : {false, true}) {
+    const OperatorSide& side = below ? op.below : op.above;
+    AskedEnergies& e = result.energies[below];
+    const auto sum = [&](const Eigen::MatrixXd& f) {
+      VectorXd energies = VectorXd::Zero(asked);
+      if (f.size() == 0) return energies;
+      for (Index j = 0; j < asked; ++j) energies[j] = sets.flux.dot(f.col(nodes + j).head(nodes));
+      return energies;
+    };
+    for (int k = 0; k < kSeries; ++k) {
+      e.reflected[k] = sum(side.r[k]);
+      e.transmitted[k] = sum(side.t[k]);
+    }
+    e.reflected[kOrderZero] = e.transmitted[kOrderZero] = VectorXd::Zero(asked);
+    e.direct = side.direct_in.tail(asked);
+    e.absorbed = side.absorbed.tail(asked).transpose();
+    e.lost = VectorXd::Zero(asked);
+  }
+  return result;
+}
+
 }  // namespace
 
 void StackModes::prepare(int modes) {
@@ -54,7 +88,17 @@ void StackModes::make_kernels(int modes) {
   for (Kind& kind : kinds_) {
     kind.scattering.clear();
     kind.scattering.emplace_back(kind.layer->medium, kind.layer->albedo[channel_],
-                                 kind.layer->f0[channel_], sets_, ready_);
+                                 kind.layer->f0[channel_], sets_, ready_, MatrixProduct(isa_));
+  }
+  if (!modal_.empty() || modes < 2) return;
+  const auto scope = layers_.size() == 1 ? ModalLayer::Scope::asked : ModalLayer::Scope::layers;
+  for (const Slab& slab : slabs_) {
+    const LayerScattering& scattering = kinds_[slab.kind].scattering[0];
+    if (!scattering.two_sided) {
+      modal_.clear();
+      break;
+    }
+    modal_.emplace_back(scattering, sets_, slab.depth, scope, orders_);
   }
 }
 
@@ -62,7 +106,12 @@ LayerOperator StackModes::mode(int m) const {
   const OperatorRules rules{sets_, m, orders_, MatrixProduct(isa_)};
   std::vector<LayerOperator> solved;
   for (const Slab& slab : slabs_)
-    solved.push_back(homogeneous_layer(kinds_[slab.kind].scattering[0], slab.depth, rules));
+    solved.push_back(doubled_layer(kinds_[slab.kind].scattering[0], slab.depth, rules));
+  return pile(solved, rules);
+}
+
+LayerOperator StackModes::pile(std::span<const LayerOperator> solved,
+                               const OperatorRules& rules) const {
   if (layers_.empty() && stack_.substrate)
     return lambert_substrate(stack_.substrate->albedo[channel_], rules);
   LayerOperator pile;
@@ -76,38 +125,45 @@ LayerOperator StackModes::mode(int m) const {
   return pile;
 }
 
-AskedMode StackModes::asked_mode(int m) const {
-  using Eigen::Index;
-  using Eigen::VectorXd;
-  const LayerOperator op = mode(m);
-  const Index nodes = sets_.nodes(), asked = sets_.in.size() - nodes;
-  AskedMode result;
-  for (int k = 0; k < kSeries; ++k) {
-    result.series[k][kAboveToUp] = asked_block(op.above.r[k], nodes, nodes);
-    result.series[k][kAboveToDown] = asked_block(op.above.t[k], nodes, nodes);
-    result.series[k][kBelowToDown] = asked_block(op.below.r[k], nodes, nodes);
-    result.series[k][kBelowToUp] = asked_block(op.below.t[k], nodes, nodes);
-  }
-  if (m > 0) return result;
-  for (const bool below : {false, true}) {
-    const OperatorSide& side = below ? op.below : op.above;
-    AskedEnergies& e = result.energies[below];
-    const auto sum = [&](const Eigen::MatrixXd& f) {
-      VectorXd energies = VectorXd::Zero(asked);
-      if (f.size() == 0) return energies;
-      for (Index j = 0; j < asked; ++j) energies[j] = sets_.flux.dot(f.col(nodes + j).head(nodes));
-      return energies;
-    };
+std::optional<AskedMode> StackModes::asked_by_eigenmodes(int m) const {
+  // In mode 0 substrates answer, and sums of layers need to know what is absorbed.
+  if (modal_.empty() || (m == 0 && (layers_.size() > 1 || stack_.substrate))) return std::nullopt;
+  const OperatorRules rules{sets_, m, orders_, MatrixProduct(isa_)};
+  const auto scattering = [&](std::size_t slab) -> const LayerScattering& {
+    return kinds_[slabs_[slab].kind].scattering[0];
+  };
+  const bool is_open = !stack_.substrate;
+  if (layers_.size() == 1) {
+    auto series = modal_[0].series(scattering(0), m, rules.product);
+    if (!series) return std::nullopt;
+    AskedMode result;
     for (int k = 0; k < kSeries; ++k) {
-      e.reflected[k] = sum(side.r[k]);
-      e.transmitted[k] = sum(side.t[k]);
+      auto &r = (*series)[0][k], &t = (*series)[1][k];
+      // A Lambertian substrate takes what arrives and answers in mode 0 alone.
+      if (!is_open) t.setZero();
+      result.series[k][kBelowToDown] = is_open ? r : t;
+      result.series[k][kBelowToUp] = t;
+      result.series[k][kAboveToUp] = std::move(r);
+      result.series[k][kAboveToDown] = std::move(t);
     }
-    e.reflected[kOrderZero] = e.transmitted[kOrderZero] = VectorXd::Zero(asked);
-    e.direct = side.direct_in.tail(asked);
-    e.absorbed = side.absorbed.tail(asked).transpose();
-    e.lost = VectorXd::Zero(asked);
+    return result;
   }
-  return result;
+  std::vector<LayerOperator> solved;
+  for (std::size_t k = 0; k < slabs_.size(); ++k) {
+    std::optional<LayerOperator> layer = modal_[k].layer(scattering(k), m, rules.product);
+    if (!layer) return std::nullopt;
+    solved.push_back(std::move(*layer));
+  }
+  return asked_of(pile(solved, rules), sets_, m);
+}
+
+AskedMode StackModes::asked_mode(int m) const {
+  return m > 0 ? asked_series(m) : asked_of(mode(m), sets_, m);
+}
+
+AskedMode StackModes::asked_series(int m) const {
+  std::optional<AskedMode> modal = asked_by_eigenmodes(m);
+  return modal ? std::move(*modal) : asked_of(mode(m), sets_, m);
 }
 
 double StackModes::correction() const {

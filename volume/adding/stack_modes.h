@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "phase/stack/stack.h"
 #include "volume/adding/layer_operator.h"
+#include "volume/adding/modal_layer.h"
 #include "volume/adding/stack_solver.h"
 
 namespace lamella {
@@ -24,6 +27,7 @@ class StackModes : public StackSolver {
   /// One mode between all directions; several may be asked for at once.
   [[nodiscard]] LayerOperator mode(int m) const;
   [[nodiscard]] AskedMode asked_mode(int m) const override;
+  [[nodiscard]] AskedMode asked_series(int m) const override;
   [[nodiscard]] const DirectionSets& sets() const { return sets_; }
   /// Largest relative correction of a node's kernel that conservation of energy asked for.
   [[nodiscard]] double correction() const;
@@ -42,6 +46,11 @@ class StackModes : public StackSolver {
   };
 
   void make_kernels(int modes);
+  // The layers one over another; solved: by slab.
+  [[nodiscard]] LayerOperator pile(std::span<const LayerOperator> solved,
+                                   const OperatorRules& rules) const;
+  // By the eigenmodes of the layers, where all have them, without energies.
+  [[nodiscard]] std::optional<AskedMode> asked_by_eigenmodes(int m) const;
 
   const Stack& stack_;
   int channel_;
@@ -52,6 +61,7 @@ class StackModes : public StackSolver {
   std::vector<Kind> kinds_;
   std::vector<Slab> slabs_;          // distinct pairs of kind and depth
   std::vector<std::size_t> layers_;  // index into slabs_, top down
+  std::vector<ModalLayer> modal_;    // by slab; none where a medium has no eigenmodes
 };
 
 }  // namespace lamella

@@ -42,6 +42,8 @@ class StackSolver {
   [[nodiscard]] virtual std::size_t bytes() const = 0;
   /// One mode; several may be asked for at once.
   [[nodiscard]] virtual AskedMode asked_mode(int m) const = 0;
+  /// The same, perhaps without the energies.
+  [[nodiscard]] virtual AskedMode asked_series(int m) const { return asked_mode(m); }
 };
 
 /// The block of a matrix between directions that were asked for; nothing of nothing.

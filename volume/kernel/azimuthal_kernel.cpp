@@ -1,5 +1,7 @@
 #include "volume/kernel/azimuthal_kernel.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +12,6 @@
 namespace lamella {
 namespace {
 
-using Eigen::ArrayXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -26,21 +27,21 @@ constexpr int kSignOut[4] = {1, -1, -1, 1};
 
 template <class P>
 KernelModes sampled(const P& profile, double f0, const DirectionSets& sets, int modes,
-                    bool two_sided) {
+                    bool two_sided, const MatrixProduct& product) {
   const VectorXd &out = sets.out, &in = sets.in;
   KernelModes kernel;
   Parts empty;
   for (MatrixXd& part : empty) part.resize(out.size(), in.size());
   kernel.modes.assign(modes, empty);
   kernel.white = empty;
-  ArrayXd values(modes);
   for (int part = 0; part < (two_sided ? 2 : 4); ++part)
-    for (Eigen::Index j = 0; j < in.size(); ++j)
-      for (Eigen::Index i = 0; i < out.size(); ++i) {
-        pair_modes(profile, f0, kSignIn[part] * in[j], kSignOut[part] * out[i], values,
-                   kernel.white[part](i, j));
-        for (int m = 0; m < modes; ++m) kernel.modes[m][part](i, j) = values[m];
-      }
+    oneapi::tbb::parallel_for(Eigen::Index{0}, in.size(), [&](Eigen::Index j) {
+      std::vector<CosinePair> pairs;
+      for (const double mu_o : out) pairs.push_back({kSignIn[part] * in[j], kSignOut[part] * mu_o});
+      const MatrixXd found = many_pair_modes(profile, f0, pairs, modes, product);
+      for (int m = 0; m < modes; ++m) kernel.modes[m][part].col(j) = found.row(m);
+      kernel.white[part].col(j) = found.row(modes);
+    });
   if (two_sided)
     for (int part = 0; part < 2; ++part) {
       for (Parts& mode : kernel.modes) mode[part + 2] = mode[part];
@@ -50,29 +51,31 @@ KernelModes sampled(const P& profile, double f0, const DirectionSets& sets, int 
 }
 
 template <class Ndf>
-KernelModes modes_of(const LambertFlakes<Ndf>& medium, double, const DirectionSets& sets,
-                     int modes) {
-  return lambert_flake_modes(medium.ndf, sets.out, sets.in, modes);
+KernelModes modes_of(const LambertFlakes<Ndf>& medium, double, const DirectionSets& sets, int modes,
+                     const MatrixProduct& product) {
+  return lambert_flake_modes(medium.ndf, sets.out, sets.in, modes, product);
 }
 
 // Media whose kernel is known in closed form.
 template <class M>
-KernelModes modes_of(const M& medium, double f0, const DirectionSets& sets, int modes) {
+KernelModes modes_of(const M& medium, double f0, const DirectionSets& sets, int modes,
+                     const MatrixProduct& product) {
   static_assert(
       requires { kernel_profile(medium); },
       "the solver needs a kernel_profile() of this medium: see kernel_profiles.h");
   const MediumTraits traits = medium.traits();
   const auto profile = kernel_profile(medium);
-  KernelModes kernel = sampled(profile, f0, sets, modes, traits.two_sided);
+  KernelModes kernel = sampled(profile, f0, sets, modes, traits.two_sided, product);
   if (traits.shape == PhaseShape::jump || !is_resolved(traits.mean_cosine, sets))
-    project_forward(profile, f0, sets, traits.two_sided, kernel);
+    project_forward(profile, f0, sets, traits.two_sided, product, kernel);
   return kernel;
 }
 
 }  // namespace
 
-KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets, int modes) {
-  return std::visit([&](const auto& m) { return modes_of(m, f0, sets, modes); }, medium);
+KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets, int modes,
+                         const MatrixProduct& product) {
+  return std::visit([&](const auto& m) { return modes_of(m, f0, sets, modes, product); }, medium);
 }
 
 KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& sets, int modes) {
@@ -90,7 +93,7 @@ KernelModes legendre_modes(std::span<const double> terms, const DirectionSets& s
         return sum / (4 * kPi);
       },
       [](double, double, double) { return 4.0; }, true, true};
-  return sampled(profile, 1, sets, modes, true);
+  return sampled(profile, 1, sets, modes, true, MatrixProduct());
 }
 
 }  // namespace lamella

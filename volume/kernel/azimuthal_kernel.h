@@ -3,6 +3,7 @@
 #include <span>
 
 #include "phase/medium/medium.h"
+#include "volume/algebra/matrix_product.h"
 #include "volume/kernel/kernel_modes.h"
 #include "volume/quadrature/direction_sets.h"
 
@@ -15,7 +16,7 @@ namespace lamella {
 /// jumps where w_o = -w_i, and particles with a narrow forward peak enter projected onto what the
 /// nodes can represent (volume/kernel/forward_projection.h).
 [[nodiscard]] KernelModes kernel_modes(const Medium& medium, double f0, const DirectionSets& sets,
-                                       int modes);
+                                       int modes, const MatrixProduct& product = MatrixProduct());
 
 /// The modes of particles (sigma = 1) whose phase function is a Legendre series, p = 1 / (4 pi) sum
 /// over l of terms[l] P_l(cosine of the deflection), terms[0] = 1. Series that dip below 0 are

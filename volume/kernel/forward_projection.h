@@ -1,5 +1,7 @@
 #pragma once
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include "volume/kernel/kernel_modes.h"
 #include "volume/kernel/pair_modes.h"
 #include "volume/quadrature/direction_sets.h"
@@ -24,8 +26,7 @@ namespace lamella {
 /// directions that are asked for stay.
 template <class P>
 void project_forward(const P& profile, double f0, const DirectionSets& sets, bool two_sided,
-                     KernelModes& kernel) {
-  using Eigen::ArrayXd;
+                     const MatrixProduct& product, KernelModes& kernel) {
   using Eigen::Index;
   using Eigen::MatrixXd;
   using Eigen::VectorXd;
@@ -51,21 +52,19 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
     r.outer = lagrange_values(*r.nodes, r.fine->points);
     rules.push_back(std::move(r));
   }
-  ArrayXd values(modes);
   const auto part_of = [&](int m, int part) -> MatrixXd& {
     return m < modes ? kernel.modes[m][part] : kernel.white[part];
   };
   // Modes, then the white mode 0, at points u' for a fixed direction; weights included.
   const auto row = [&](const NodePanel& panel, double mu, const VectorXd& u, const VectorXd& weight,
                        bool mu_is_out) {
-    MatrixXd samples(modes + 1, u.size());
-    for (Index k = 0; k < u.size(); ++k) {
-      const double other = panel.mu(u[k]);
-      double white = 0;
-      pair_modes(profile, f0, mu_is_out ? other : mu, mu_is_out ? -mu : -other, values, white);
-      samples.col(k).head(modes) = weight[k] * values.matrix();
-      samples(modes, k) = weight[k] * white;
+    std::vector<CosinePair> pairs;
+    for (const double at : u) {
+      const double other = panel.mu(at);
+      pairs.push_back(mu_is_out ? CosinePair{other, -mu} : CosinePair{mu, -other});
     }
+    MatrixXd samples = many_pair_modes(profile, f0, pairs, modes, product);
+    samples *= weight.asDiagonal();
     return samples;
   };
 
@@ -82,9 +81,9 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
           r.fine->weights.cwiseProduct(inner.unaryExpr([&](double w) { return r.v(w); }));
       const MatrixXd lagrange = lagrange_values(*r.nodes, inner);
       const double mu = panel.mu(u);
-      const MatrixXd larger_in = row(panel, mu, inner, weight, false) * lagrange;
+      const MatrixXd larger_in = product(row(panel, mu, inner, weight, false), lagrange);
       const MatrixXd larger_out =
-          two_sided ? larger_in : MatrixXd(row(panel, mu, inner, weight, true) * lagrange);
+          two_sided ? larger_in : product(row(panel, mu, inner, weight, true), lagrange);
       for (int m = 0; m <= modes; ++m) {
         moments[m].noalias() += larger_in.row(m).transpose() * r.outer.row(k);
         moments[m].noalias() += r.outer.row(k).transpose() * larger_out.row(m);
@@ -131,26 +130,26 @@ void project_forward(const P& profile, double f0, const DirectionSets& sets, boo
       }
       weight = weight.cwiseProduct(points.unaryExpr([&](double w) { return r.v(w); }));
       result.middleCols(r.panel->first, r.panel->count) =
-          row(*r.panel, mu, points, weight, mu_is_out) * lagrange_values(*r.nodes, points) *
+          product(row(*r.panel, mu, points, weight, mu_is_out), lagrange_values(*r.nodes, points)) *
           r.scale.asDiagonal();
     }
     return result;
   };
-  for (Index i = n; i < sets.out.size(); ++i) {
+  oneapi::tbb::parallel_for(n, sets.out.size(), [&](Index i) {
     const MatrixXd down = asked(sets.out[i], true);
     for (int m = 0; m <= modes; ++m) part_of(m, kAboveToDown).row(i).head(n) = down.row(m);
     // K is symmetric: from below to an upward o is from o, above, to a downward node.
     const MatrixXd up = two_sided ? down : asked(sets.out[i], false);
     for (int m = 0; m <= modes; ++m) part_of(m, kBelowToUp).row(i).head(n) = up.row(m);
-  }
-  for (Index j = n; j < sets.in.size(); ++j) {
+  });
+  oneapi::tbb::parallel_for(n, sets.in.size(), [&](Index j) {
     const MatrixXd above = asked(sets.in[j], false);
     for (int m = 0; m <= modes; ++m)
       part_of(m, kAboveToDown).col(j).head(n) = above.row(m).transpose();
     const MatrixXd below = two_sided ? above : asked(sets.in[j], true);
     for (int m = 0; m <= modes; ++m)
       part_of(m, kBelowToUp).col(j).head(n) = below.row(m).transpose();
-  }
+  });
   for (int m = 0; m <= modes; ++m)
     part_of(m, kBelowToUp).topLeftCorner(n, n) =
         part_of(m, kAboveToDown).topLeftCorner(n, n).transpose();

@@ -124,7 +124,10 @@ std::vector<MatrixXd> clamped_modes(const VectorXd& mu, const VectorXd& v, int m
 }
 
 template <class Ndf>
-KernelModes factorised(const Ndf& ndf, const VectorXd& out, const VectorXd& in, int modes) {
+KernelModes factorised(const Ndf& ndf, const VectorXd& out, const VectorXd& in, int modes,
+                       const MatrixProduct& product) {
+  // Flakes that are the same from both sides treat light from below as from above.
+  constexpr bool kTwoSided = std::is_same_v<Ndf, Sggx>;
   Quadrature v;
   if (ndf.is_delta()) {
     v.points = VectorXd::Constant(1, 1);
@@ -139,14 +142,19 @@ KernelModes factorised(const Ndf& ndf, const VectorXd& out, const VectorXd& in, 
     return both;
   };
   const std::vector<MatrixXd> co = clamped_modes(both_signs(out), v.points, modes);
-  const std::vector<MatrixXd> ci = clamped_modes(both_signs(in), v.points, modes);
+  const std::vector<MatrixXd> ci = clamped_modes(kTwoSided ? in : both_signs(in), v.points, modes);
   KernelModes kernel;
   const Eigen::Index no = out.size(), ni = in.size();
   for (int m = 0; m < modes; ++m) {
     const double sign = m % 2 ? -2 : 2;
-    const MatrixXd all = co[m] * (sign * v.weights).asDiagonal() * ci[m].transpose();
-    kernel.modes.push_back({all.topLeftCorner(no, ni), all.bottomLeftCorner(no, ni),
-                            all.bottomRightCorner(no, ni), all.topRightCorner(no, ni)});
+    const MatrixXd all =
+        product(co[m], ((sign * v.weights).asDiagonal() * ci[m].transpose()).eval());
+    const Parts& last = kernel.modes.emplace_back(
+        Parts{all.topLeftCorner(no, ni), all.bottomLeftCorner(no, ni), {}, {}});
+    kernel.modes.back()[kBelowToDown] =
+        kTwoSided ? last[kAboveToUp] : MatrixXd(all.bottomRightCorner(no, ni));
+    kernel.modes.back()[kBelowToUp] =
+        kTwoSided ? last[kAboveToDown] : MatrixXd(all.topRightCorner(no, ni));
   }
   kernel.white = kernel.modes[0];
   return kernel;
@@ -180,14 +188,14 @@ VectorXd lambert_flake_modes(const Vmf& ndf, double mu_o, double mu_i, int modes
   return of_pair(ndf, mu_o, mu_i, modes);
 }
 
-KernelModes lambert_flake_modes(const Sggx& ndf, const VectorXd& out, const VectorXd& in,
-                                int modes) {
-  return factorised(ndf, out, in, modes);
+KernelModes lambert_flake_modes(const Sggx& ndf, const VectorXd& out, const VectorXd& in, int modes,
+                                const MatrixProduct& product) {
+  return factorised(ndf, out, in, modes, product);
 }
 
-KernelModes lambert_flake_modes(const Vmf& ndf, const VectorXd& out, const VectorXd& in,
-                                int modes) {
-  return factorised(ndf, out, in, modes);
+KernelModes lambert_flake_modes(const Vmf& ndf, const VectorXd& out, const VectorXd& in, int modes,
+                                const MatrixProduct& product) {
+  return factorised(ndf, out, in, modes, product);
 }
 
 }  // namespace lamella

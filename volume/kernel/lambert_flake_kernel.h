@@ -2,6 +2,7 @@
 
 #include "phase/medium/sggx.h"
 #include "phase/medium/vmf.h"
+#include "volume/algebra/matrix_product.h"
 #include "volume/kernel/kernel_modes.h"
 
 namespace lamella {
@@ -13,9 +14,11 @@ namespace lamella {
 ///   cos(m phi) dphi in closed form,
 /// and one quadrature in v, with panels between the kinks of every c_m, serves all pairs.
 [[nodiscard]] KernelModes lambert_flake_modes(const Sggx& ndf, const Eigen::VectorXd& out,
-                                              const Eigen::VectorXd& in, int modes);
+                                              const Eigen::VectorXd& in, int modes,
+                                              const MatrixProduct& product);
 [[nodiscard]] KernelModes lambert_flake_modes(const Vmf& ndf, const Eigen::VectorXd& out,
-                                              const Eigen::VectorXd& in, int modes);
+                                              const Eigen::VectorXd& in, int modes,
+                                              const MatrixProduct& product);
 
 /// K_m of one pair of signed cosines of w_o and w_i, for m < modes, by fewer points: the error of
 /// their series is below kPairModesError of K_0. D must not be a delta.

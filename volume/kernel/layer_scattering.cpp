@@ -31,13 +31,14 @@ double factor(double area, double sum, double largest) {
 }  // namespace
 
 LayerScattering::LayerScattering(const Medium& medium, double albedo, double f0,
-                                 const DirectionSets& sets, int mode_count)
+                                 const DirectionSets& sets, int mode_count,
+                                 const MatrixProduct& product)
     : two_sided(traits(medium).two_sided) {
   for (const int side : {0, 1}) {
     sigma_in[side] = projected_areas(medium, sets.in, side == 0 ? 1 : -1);
     sigma_out[side] = projected_areas(medium, sets.out, side == 0 ? 1 : -1);
   }
-  conserve_energy(kernel_modes(medium, f0, sets, mode_count), albedo, f0, sets);
+  conserve_energy(kernel_modes(medium, f0, sets, mode_count, product), albedo, f0, sets);
 }
 
 LayerScattering::LayerScattering(KernelModes kernel, double albedo, const DirectionSets& sets) {

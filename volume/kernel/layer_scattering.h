@@ -21,7 +21,7 @@ struct LayerScattering {
   double correction = 0;  ///< largest |d - 1| at the nodes: small if they resolve K
 
   LayerScattering(const Medium& medium, double albedo, double f0, const DirectionSets& sets,
-                  int modes);
+                  int modes, const MatrixProduct& product = MatrixProduct());
   /// Particles with that kernel: sigma = 1, the same from both sides.
   LayerScattering(KernelModes kernel, double albedo, const DirectionSets& sets);
 

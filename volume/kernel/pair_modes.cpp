@@ -6,6 +6,9 @@
 namespace lamella {
 namespace {
 
+// Modes whose cosines are kept with a rule: some hundreds of kilobytes per rule and thread.
+constexpr int kMostTabulated = 128;
+
 AzimuthRule make_rule(double b, int modes) {
   const double stretch = std::asinh(kPi / b);
   // Points for the singularity, and for cosines (pi / 4 per mode at least, for the product with the
@@ -13,7 +16,7 @@ AzimuthRule make_rule(double b, int modes) {
   const double near = 24 + 5 * stretch, uniform = 1.6 * modes + 8;
   const int n = static_cast<int>(near + uniform);
   const Quadrature& gauss = cached_gauss_legendre(n);
-  AzimuthRule rule{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
+  AzimuthRule rule{Eigen::ArrayXd(n), Eigen::ArrayXd(n), {}, {}, {}};
   double y = 0;
   for (int k = 0; k < n; ++k) {
     // near / stretch asinh(y / b) + uniform y / pi = (near + uniform) u: concave, so that Newton's
@@ -29,10 +32,41 @@ AzimuthRule make_rule(double b, int modes) {
     rule.y[k] = y;
     rule.weight[k] = gauss.weights[k] * (near + uniform) / slope() / kPi;
   }
+  rule.sine2 = (rule.y / 2).sin().square();
+  rule.cosine2 = (rule.y / 2).cos().square();
+  if (modes > kMostTabulated) return rule;
+  rule.cosines.resize(modes, n);
+  const Eigen::ArrayXd step = 2 * rule.y.cos();
+  Eigen::ArrayXd now = Eigen::ArrayXd::Ones(n), before = step / 2;  // cos(0 y), cos(-y)
+  for (int m = 0; m < modes; ++m) {
+    rule.cosines.row(m) = now;
+    const Eigen::ArrayXd next = step * now - before;
+    before.swap(now);
+    now = next;
+  }
   return rule;
 }
 
 }  // namespace
+
+void sum_modes(const AzimuthRule& rule, bool peak_at_zero_x, const Eigen::ArrayXd& values,
+               Eigen::Ref<Eigen::ArrayXd> result) {
+  const Eigen::Index modes = result.size();
+  if (rule.cosines.size() > 0) {
+    result.matrix().noalias() = rule.cosines * values.matrix();
+    if (!peak_at_zero_x)
+      for (Eigen::Index m = 1; m < modes; m += 2) result[m] *= -1;
+    return;
+  }
+  const Eigen::ArrayXd step = (peak_at_zero_x ? 2 : -2) * rule.y.cos();
+  Eigen::ArrayXd now = values, before = now * step / 2, next;  // cos(-x), cos(0 x)
+  for (Eigen::Index m = 0; m < modes; ++m) {
+    result[m] = now.sum();
+    next = step * now - before;
+    before.swap(now);
+    now.swap(next);
+  }
+}
 
 const AzimuthRule& azimuth_rule(double b, int modes) {
   // Where b is no number, the kernel's values are none either and tell so: any rule will do.

@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "phase/math/color.h"
 #include "phase/math/direction.h"
+#include "volume/algebra/matrix_product.h"
 #include "volume/quadrature/quadrature.h"
 
 namespace lamella {
@@ -40,6 +42,8 @@ Profile(F, G, bool, bool) -> Profile<F, G>;
 /// imaginary direction, and for the cosines of `modes` modes.
 struct AzimuthRule {
   Eigen::ArrayXd y, weight;
+  Eigen::ArrayXd sine2, cosine2;  ///< of y / 2, squared
+  Eigen::MatrixXd cosines;        ///< cos(m y), rows: modes; empty for many of them
 };
 
 /// Gauss-Legendre in a variable whose density over y in (0, pi) is that of asinh(y / b), for the
@@ -47,30 +51,93 @@ struct AzimuthRule {
 /// each rule is made once per thread.
 [[nodiscard]] const AzimuthRule& azimuth_rule(double b, int modes);
 
+/// The kernel of one pair at the points of its rule times their weights. white: the sum without
+/// Schlick's factor.
+template <class P>
+const AzimuthRule& pair_values(const P& profile, double f0, const Pair& pair,
+                               const AzimuthRule& rule, Eigen::Ref<Eigen::ArrayXd> values,
+                               double& white) {
+  const Eigen::ArrayXd hxy2 =
+      pair.gap + 4 * pair.product * (profile.peak_at_zero_x ? rule.sine2 : rule.cosine2);
+  values = rule.weight;
+  for (Eigen::Index k = 0; k < values.size(); ++k) values[k] *= profile.value(hxy2[k], pair.hz);
+  white = values.sum();
+  if (f0 != 1)  // the cosine of the half angle is |h| / 2
+    for (Eigen::Index k = 0; k < values.size(); ++k)
+      values[k] *= f0 + (1 - f0) * schlick_weight(std::sqrt(hxy2[k] + pair.hz * pair.hz) / 2);
+  return rule;
+}
+
+template <class P>
+const AzimuthRule& rule_of_pair(const P& profile, double mu_i, double mu_o, const Pair& pair,
+                                int modes) {
+  const double reach = profile.reach(mu_i, mu_o, pair.gap);
+  return azimuth_rule(std::sqrt(reach / std::max(pair.product, 1e-300)), modes);
+}
+
+/// Sums of values times cos(m x) over the points of a rule, for the first result.size() modes.
+void sum_modes(const AzimuthRule& rule, bool peak_at_zero_x, const Eigen::ArrayXd& values,
+               Eigen::Ref<Eigen::ArrayXd> result);
+
 /// The first result.size() modes of one pair, and the white mode 0.
 template <class P>
 void pair_modes(const P& profile, double f0, double mu_i, double mu_o, Eigen::ArrayXd& result,
                 double& white) {
   const Pair pair(mu_i, mu_o);
-  const int modes = static_cast<int>(result.size());
-  const double reach = profile.reach(mu_i, mu_o, pair.gap);
-  const AzimuthRule& rule = azimuth_rule(std::sqrt(reach / std::max(pair.product, 1e-300)), modes);
-  const Eigen::ArrayXd x = profile.peak_at_zero_x ? rule.y : Eigen::ArrayXd(kPi - rule.y);
-  const Eigen::ArrayXd hxy2 = pair.gap + 4 * pair.product * (x / 2).sin().square();
-  Eigen::ArrayXd now = rule.weight;
-  for (Eigen::Index k = 0; k < now.size(); ++k) now[k] *= profile.value(hxy2[k], pair.hz);
-  white = now.sum();
-  if (f0 != 1)  // the cosine of the half angle is |h| / 2
-    for (Eigen::Index k = 0; k < now.size(); ++k)
-      now[k] *= f0 + (1 - f0) * schlick_weight(std::sqrt(hxy2[k] + pair.hz * pair.hz) / 2);
-  const Eigen::ArrayXd step = 2 * x.cos();
-  Eigen::ArrayXd before = now * step / 2, next;  // cos(-x), cos(0 x)
-  for (int m = 0; m < modes; ++m) {
-    result[m] = now.sum();
-    next = step * now - before;
-    before.swap(now);
-    now.swap(next);
+  const AzimuthRule& rule =
+      rule_of_pair(profile, mu_i, mu_o, pair, static_cast<int>(result.size()));
+  Eigen::ArrayXd values(rule.y.size());
+  pair_values(profile, f0, pair, rule, values, white);
+  sum_modes(rule, profile.peak_at_zero_x, values, result);
+}
+
+/// Signed cosines of w_i and w_o.
+struct CosinePair {
+  double mu_i, mu_o;
+};
+
+/// The same for many pairs: rows: the modes and, last, the white mode 0; columns: pairs. Those that
+/// share a rule are one product of matrices.
+template <class P>
+Eigen::MatrixXd many_pair_modes(const P& profile, double f0, const std::vector<CosinePair>& pairs,
+                                int modes, const MatrixProduct& product) {
+  struct Group {
+    const AzimuthRule* rule;
+    std::vector<Eigen::Index> places{};
+  };
+  std::vector<Group> groups;
+  const auto count = static_cast<Eigen::Index>(pairs.size());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto [mu_i, mu_o] = pairs[k];
+    const AzimuthRule& rule = rule_of_pair(profile, mu_i, mu_o, Pair(mu_i, mu_o), modes);
+    auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.rule == &rule; });
+    if (group == groups.end()) group = groups.insert(group, {&rule});
+    group->places.push_back(k);
   }
+  Eigen::MatrixXd result(modes + 1, count);
+  for (const Group& group : groups) {
+    const bool is_table = group.rule->cosines.size() > 0;
+    const auto size = static_cast<Eigen::Index>(group.places.size());
+    Eigen::MatrixXd values(group.rule->y.size(), size);
+    Eigen::ArrayXd one(is_table ? 0 : modes);
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const auto [mu_i, mu_o] = pairs[group.places[k]];
+      double white = 0;
+      pair_values(profile, f0, Pair(mu_i, mu_o), *group.rule, values.col(k).array(), white);
+      result(modes, group.places[k]) = white;
+      if (is_table) continue;
+      sum_modes(*group.rule, profile.peak_at_zero_x, values.col(k), one);
+      result.col(group.places[k]).head(modes) = one;
+    }
+    if (!is_table) continue;
+    const Eigen::MatrixXd sums = product(group.rule->cosines, values);
+    for (Eigen::Index k = 0; k < size; ++k) result.col(group.places[k]).head(modes) = sums.col(k);
+    if (!profile.peak_at_zero_x)
+      for (const Eigen::Index place : group.places)
+        for (int m = 1; m < modes; m += 2) result(m, place) *= -1;
+  }
+  return result;
 }
 
 }  // namespace lamella

@@ -240,7 +240,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
     solver->prepare(modes_[k]);
     channel->modes.resize(modes_[k]);
     oneapi::tbb::parallel_for(0, modes_[k], [&](int m) {
-      const AskedMode mode = solver->asked_mode(m);
+      const AskedMode mode = solver->asked_series(m);
       OrderModes& orders = channel->modes[m];
       for (int part = 0; part < 4; ++part) {
         const auto s = [&](int series) -> const MatrixXd& { return mode.series[series][part]; };

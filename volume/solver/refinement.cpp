@@ -4,6 +4,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -195,6 +196,11 @@ ProbeModes solve_probes(StackSolver& stack, SecondSplit* split, int parts, const
   return result;
 }
 
+// Of 8, 16, 32, ... modes the fewest that are not fewer.
+int kernels_for(std::size_t modes) {
+  return static_cast<int>(std::max<std::size_t>(8, std::bit_ceil(modes)));
+}
+
 // Largest errors over all probes, relative to the scale of f.
 struct Errors {
   double nodes = 0;         // of all but order 2 of steep media
@@ -309,6 +315,9 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                                               .error = accuracy.error,
                                               .seconds = seconds_since(start)});
                           }};
+      // As many kernels at once as fewer nodes took, rounded up to the steps of prepare_more.
+      if (!coarse[k].rest.empty())
+        modes->prepare(std::min(max_modes, kernels_for(coarse[k].rest.size())));
       ProbeModes fine = solve_probes(*modes, split ? &*split : nullptr, parts, limits, this_ended);
       if (this_ended != DeterministicLimit::none) ended = this_ended;
       const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);

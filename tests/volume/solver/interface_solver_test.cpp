@@ -118,8 +118,11 @@ TEST(InterfaceSolver, PlateWithNothingInsideSumsBounces) {
 TEST(InterfaceSolver, IndexOneDoesNothing) {
   const std::string slab = layer(henyey_greenstein(0.5), 0.9, 1);
   const DeterministicSolution a = solved(slab, 1e-6), b = solved(interface(1) + slab, 1e-6);
-  EXPECT_EQ(a.f(up(0.6), up(0.3, 1)).order[Order::all].r,
-            b.f(up(0.6), up(0.3, 1)).order[Order::all].r);
+  // Mode 0 of a layer by itself comes from eigenmodes, beside an interface from doubling, whose
+  // start leaves 1e-11.
+  EXPECT_NEAR(
+      a.f(up(0.6), up(0.3, 1)).order[Order::all].r / b.f(up(0.6), up(0.3, 1)).order[Order::all].r,
+      1, 1e-11);
   EXPECT_EQ(energies_of(a, 0.6).reflected[Order::all].r,
             energies_of(b, 0.6).reflected[Order::all].r);
 }
