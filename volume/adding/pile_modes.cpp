@@ -178,7 +178,7 @@ PileOperator PileModes::ground(int m) const {
 }
 
 PileOperator PileModes::pile(int m) const {
-  const PileRules rules{m, orders_};
+  const PileRules rules{m, orders_, MatrixProduct(isa_)};
   std::vector<PileOperator> solved;
   for (const Slab& slab : slabs_) {
     const Kind& kind = kinds_[slab.kind];

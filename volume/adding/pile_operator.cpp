@@ -78,10 +78,11 @@ MatrixXd onto_beams(const VectorXd& share, const MatrixXd& m, const DirectionSet
 }
 
 // left[:, nodes] flux right[nodes, :]: light that crosses a plane between two events.
-MatrixXd chain(const MatrixXd& left, const MatrixXd& right, const VectorXd& flux) {
+MatrixXd chain(const MatrixXd& left, const MatrixXd& right, const VectorXd& flux,
+               const MatrixProduct& product) {
   if (!any(left) || !any(right)) return {};
   const Index n = flux.size();
-  return left.leftCols(n) * (flux.asDiagonal() * right.topRows(n));
+  return product(left.leftCols(n), flux.asDiagonal() * right.topRows(n));
 }
 
 // 1 - a b where 1 - a and 1 - b are known without cancellation.
@@ -206,7 +207,7 @@ class Sum::Loop {
     near_ = reflection(near_r_, near_mirror_);
     MatrixXd turn;
     if (any(near_r_))
-      turn = near_ * far_;
+      turn = s_.rules.product(near_, far_);
     else
       turn = near_mirror_.head(n).asDiagonal() * far_;
     if (series == 0 && s_.rules.mode == 0) {
@@ -234,14 +235,14 @@ class Sum::Loop {
     if (!is_diagonal_) {
       // At the nodes, then what the nodes send to all rows.
       MatrixXd at_nodes = a.topRows(n) + near_mirror_.head(n).asDiagonal() * b.topRows(n);
-      if (any(near_r_)) at_nodes += chain(near_r_.topRows(n), b, flux_);
+      if (any(near_r_)) at_nodes += chain(near_r_.topRows(n), b, flux_, s_.rules.product);
       MatrixXd on = flux_.asDiagonal() * at_nodes;
       on = without_subtraction_ ? without_subtraction_->solve(std::move(on))
                                 : MatrixXd(lu_->solve(on));
       on = flux_.cwiseInverse().asDiagonal() * on;
-      if (any(far_r_)) answer += chain(far_r_, on, flux_);
+      if (any(far_r_)) answer += chain(far_r_, on, flux_, s_.rules.product);
       MatrixXd back = answer.topRows(n) + far_mirror_.head(n).asDiagonal() * on;
-      if (any(near_r_)) source += chain(near_r_, back, flux_);
+      if (any(near_r_)) source += chain(near_r_, back, flux_, s_.rules.product);
       f.on = finish(source, answer);
       f.on.topRows(n) = on;
       f.back = answer + far_mirror_.asDiagonal() * f.on;
@@ -291,9 +292,9 @@ PileSide Sum::run() const {
     add_to(result.r[k], onto_beams(near_back.out.direct, field[k].back, between, outside));
     result.t[k] = onto_beams(far_front.out.direct, field[k].on, between, beyond);
     return [&, k](int l, int m) {
-      add_to(result.r[k], chain(near_back.t[l], field[m].back, flux));
+      add_to(result.r[k], chain(near_back.t[l], field[m].back, flux, rules.product));
       add_to(result.r[k], with_beams(near_back.t[l], beam.back[m]));
-      add_to(result.t[k], chain(far_front.t[l], field[m].on, flux));
+      add_to(result.t[k], chain(far_front.t[l], field[m].on, flux, rules.product));
       add_to(result.t[k], with_beams(far_front.t[l], beam.on[m]));
     };
   };
@@ -313,8 +314,8 @@ PileSide Sum::run() const {
       add_to(second, with_beams(far_front.r[series(l)], beam.on[series(k - l)]));
       if (l == 0) continue;
       const Field& before = field[series(k - l)];
-      add_to(first, chain(near_back.r[l], before.back, flux));
-      add_to(second, chain(far_front.r[l], before.on, flux));
+      add_to(first, chain(near_back.r[l], before.back, flux, rules.product));
+      add_to(second, chain(far_front.r[l], before.on, flux, rules.product));
       if (any(far_front.out.mirror[l]) && any(before.on))
         add_to(second, MatrixXd(far_front.out.mirror[l].asDiagonal() * before.on));
     }

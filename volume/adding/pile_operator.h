@@ -4,6 +4,7 @@
 #include <array>
 
 #include "volume/adding/layer_operator.h"
+#include "volume/algebra/matrix_product.h"
 
 namespace lamella {
 
@@ -47,6 +48,7 @@ struct PileOperator {
 struct PileRules {
   int mode = 0;
   int orders = 3;  ///< 1, 2, ... of the orders 1 to 3 that are followed
+  MatrixProduct product{};
 };
 
 /// A layer, whose operator add_layers could take as well. sigma_in: projected areas as in
