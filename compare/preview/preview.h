@@ -45,10 +45,13 @@ struct PreviewImage {
 [[nodiscard]] PreviewImage render_lamp(const ReflectionTowards& f, const Specular& specular,
                                        const PreviewView& view);
 
-/// A named picture of a view; the first of a view is the truth.
+/// A named picture of a view; the first of a view is the truth. `label`: what is written above it;
+/// empty: the name.
 struct PreviewColumn {
   std::string name;
   PreviewImage image;
+  std::string label{};
+  [[nodiscard]] const std::string& told() const { return label.empty() ? name : label; }
 };
 
 /// What the pictures of a view share.

@@ -61,7 +61,8 @@ void add_picture(ExrImage& image, const NamedPicture& named, bool plain) {
 }
 
 PreviewColumn column_of(const NamedPicture& named) {
-  PreviewColumn column{named.name, {named.picture.width, named.picture.height, {}, {}}};
+  PreviewColumn column{
+      named.name, {named.picture.width, named.picture.height, {}, {}}, named.told()};
   for (std::size_t k = 0; k < named.picture.samples.size(); ++k) {
     column.image.radiance.push_back(named.picture.mean(k));
     column.image.covered.push_back(named.picture.samples[k] > 0);
@@ -81,7 +82,7 @@ Chart error_chart(const std::vector<NamedPicture>& pictures, const PathRun& run)
     const double bias = &named == &pictures.front()
                             ? 0
                             : traced_error(pictures.front().picture, named.picture).bias;
-    ChartSeries series{.label = named.name, .x = {}, .y = {}};
+    ChartSeries series{.label = named.told(), .x = {}, .y = {}};
     for (const PathPicture::Checkpoint& at : named.picture.checkpoints) {
       series.x.push_back(std::log10(at.seconds));
       series.y.push_back(at.noise + bias);
@@ -113,11 +114,15 @@ std::string picture_table(const std::vector<NamedPicture>& pictures) {
                   "seconds", "luminance", "+-", "noise", "bias^2", "cut");
   for (const NamedPicture& named : pictures) {
     const TracedError error = traced_error(pictures.front().picture, named.picture);
-    text += fmt::format("  {:<26} {:>8} {:>8.2f} {:>10.5f} {:>9.1e} {:>10.2e} {:>10} {:>9.1e}\n",
-                        named.name, most_samples(named.picture), named.picture.seconds,
-                        mean_luminance(named.picture), mean_error(named.picture), error.noise,
-                        &named == &pictures.front() ? "truth" : fmt::format("{:.2e}", error.bias),
-                        named.picture.cut);
+    // A long label has a line of its own.
+    const bool is_long = named.told().size() > 26;
+    if (is_long) text += fmt::format("  {}\n", named.told());
+    text +=
+        fmt::format("  {:<26} {:>8} {:>8.2f} {:>10.5f} {:>9.1e} {:>10.2e} {:>10} {:>9.1e}\n",
+                    is_long ? "" : named.told(), most_samples(named.picture), named.picture.seconds,
+                    mean_luminance(named.picture), mean_error(named.picture), error.noise,
+                    &named == &pictures.front() ? "truth" : fmt::format("{:.2e}", error.bias),
+                    named.picture.cut);
   }
   return text +
          "\n  noise, bias^2: relative mean square errors over the pixels; bias^2 without the noise "
@@ -133,6 +138,7 @@ Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
       checkpoints.push_back(
           {{"seconds", at.seconds}, {"samples", at.samples}, {"noise", at.noise}});
     list.push_back({{"name", named.name},
+                    {"label", named.told()},
                     {"samples", most_samples(named.picture)},
                     {"seconds", named.picture.seconds},
                     {"mean_luminance", mean_luminance(named.picture)},

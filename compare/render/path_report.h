@@ -10,10 +10,13 @@
 
 namespace lamella {
 
-/// A traced picture and its name; the first of several is the truth by walks.
+/// A traced picture and its name; the first of several is the truth by walks. `label`: what people
+/// read; empty: the name.
 struct NamedPicture {
   std::string name;
   PathPicture picture;
+  std::string label{};
+  [[nodiscard]] const std::string& told() const { return label.empty() ? name : label; }
 };
 
 /// How far a picture is from the first: relative mean square errors (relative_difference).
