@@ -61,6 +61,10 @@ struct PreviewScales {
 };
 [[nodiscard]] PreviewScales scales_of(const std::vector<PreviewColumn>& columns);
 
+/// The mean of FLIP (flip.h) over the pixels that the truth covers, both pictures at the exposure
+/// at which they are drawn. Noise counts.
+[[nodiscard]] double flip_error(const PreviewImage& truth, const PreviewImage& picture);
+
 /// PNG bytes of one picture; of the signed difference in luminance, model - truth.
 [[nodiscard]] std::string picture_png(const PreviewImage& image, double white);
 [[nodiscard]] std::string difference_png(const PreviewImage& truth, const PreviewImage& model,

@@ -8,6 +8,7 @@
 #include "compare/drawing/canvas.h"
 #include "compare/drawing/color_bar.h"
 #include "compare/drawing/picture_text.h"
+#include "compare/preview/flip.h"
 #include "compare/preview/preview.h"
 #include "phase/math/luminance.h"
 
@@ -89,6 +90,25 @@ PreviewScales scales_of(const std::vector<PreviewColumn>& columns) {
     for (std::size_t k = 0; k < truth.radiance.size(); ++k)
       differences.push_back(difference_at(truth, column.image, k));
   return {white_of({&truth}), signed_scale(differences)};
+}
+
+double flip_error(const PreviewImage& truth, const PreviewImage& picture) {
+  const double white = white_of({&truth});
+  const auto shown = [&](const PreviewImage& image) {
+    std::vector<Rgb> out;
+    for (std::size_t k = 0; k < image.radiance.size(); ++k)
+      out.push_back(image.covered[k] ? 1 / white * image.radiance[k] : Rgb());
+    return out;
+  };
+  const std::vector<double> errors =
+      flip_errors(truth.width, truth.height, shown(truth), shown(picture));
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < errors.size(); ++k)
+    if (truth.covered[k]) {
+      sum += errors[k];
+      ++count;
+    }
+  return count > 0 ? sum / count : 0;
 }
 
 std::string picture_png(const PreviewImage& image, double white) {

@@ -138,7 +138,8 @@ Json to_json(const std::vector<PreviewResult>& views) {
     for (const PreviewColumn& column : result.columns)
       pictures.push_back({{"name", column.name},
                           {"label", column.told()},
-                          {"mean_luminance", mean_luminance(column.image)}});
+                          {"mean_luminance", mean_luminance(column.image)},
+                          {"flip", flip_error(result.columns.front().image, column.image)}});
     list.push_back({{"scene", to_text(result.view.scene)},
                     {"light", to_text(result.view.light)},
                     {"pictures", std::move(pictures)}});
@@ -178,9 +179,15 @@ Json preview_page_details(const std::vector<PreviewResult>& views, const LobeTab
 std::string preview_table(const std::vector<PreviewResult>& views) {
   std::string text;
   for (const PreviewResult& result : views)
-    for (const PreviewColumn& column : result.columns)
-      text += fmt::format("  {:<20} {:<44} mean luminance {:.5f}\n", result.name(), column.told(),
-                          mean_luminance(column.image));
+    for (const PreviewColumn& column : result.columns) {
+      const bool first = &column == &result.columns.front();
+      text +=
+          fmt::format("  {:<18} {:<40} mean luminance {:.5f}{}\n", result.name(), column.told(),
+                      mean_luminance(column.image),
+                      first ? ""
+                            : fmt::format("  FLIP {:.3f}",
+                                          flip_error(result.columns.front().image, column.image)));
+    }
   return text;
 }
 

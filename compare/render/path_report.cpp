@@ -105,13 +105,15 @@ TracedError traced_error(const PathPicture& truth, const PathPicture& picture) {
   // A difference d of noise v and bias b has the variance 2 v^2 + 4 b^2 v of its square.
   if (covered > 0)
     error.bias_error = std::sqrt((2 * noise * noise + 4 * error.bias * noise) / covered);
+  if (&truth != &picture)
+    error.flip = flip_error(column_of({"", truth}).image, column_of({"", picture}).image);
   return error;
 }
 
 std::string picture_table(const std::vector<NamedPicture>& pictures) {
   std::string text =
-      fmt::format("  {:<26} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>9}\n", "picture", "samples",
-                  "seconds", "luminance", "+-", "noise", "bias^2", "cut");
+      fmt::format("  {:<26} {:>7} {:>7} {:>10} {:>8} {:>9} {:>9} {:>6} {:>8}\n", "picture",
+                  "samples", "seconds", "luminance", "+-", "noise", "bias^2", "FLIP", "cut");
   for (const NamedPicture& named : pictures) {
     const TracedError error = traced_error(pictures.front().picture, named.picture);
     // A long label has a line of its own.
@@ -126,7 +128,9 @@ std::string picture_table(const std::vector<NamedPicture>& pictures) {
   }
   return text +
          "\n  noise, bias^2: relative mean square errors over the pixels; bias^2 without the noise "
-         "of both\n  cut: mean weight of paths that --depth ended\n";
+         "of both\n  FLIP: what a viewer sees who flips between both pictures, 0 to 1; noise "
+         "counts\n"
+         "  cut: mean weight of paths that --depth ended\n";
 }
 
 Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
@@ -147,6 +151,7 @@ Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
                     {"difference", error.difference},
                     {"bias", error.bias},
                     {"bias_error", error.bias_error},
+                    {"flip", error.flip},
                     {"cut", named.picture.cut},
                     {"checkpoints", std::move(checkpoints)}});
   }

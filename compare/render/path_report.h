@@ -19,7 +19,8 @@ struct NamedPicture {
   [[nodiscard]] const std::string& told() const { return label.empty() ? name : label; }
 };
 
-/// How far a picture is from the first: relative mean square errors (relative_difference).
+/// How far a picture is from the first: relative mean square errors (relative_difference), and
+/// FLIP.
 struct TracedError {
   double noise = 0;       ///< of this picture
   double difference = 0;  ///< from the truth, noise of both in it
@@ -27,6 +28,7 @@ struct TracedError {
   /// pixel were independent.
   double bias = 0;
   double bias_error = 0;
+  double flip = 0;  ///< flip_error of preview.h, in [0, 1]; noise of both in it
 };
 [[nodiscard]] TracedError traced_error(const PathPicture& truth, const PathPicture& picture);
 

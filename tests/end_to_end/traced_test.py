@@ -116,6 +116,8 @@ class PathsOnAnObject(ProgramTest):
         # The three-term form is within 0.2 % of the truth; one albedo everywhere is far off.
         self.assertLess(own["bias"], 1e-4 + 4.5 * own["bias_error"])
         self.assertGreater(same["bias"], 0.05)
+        self.assertEqual(pictures["truth"]["flip"], 0)
+        self.assertLess(own["flip"], 0.5 * same["flip"])
         self.assertEqual(same["label"], "lambert_sphere_three_term, albedo=0.6")
 
     def test_give_spongecake_the_networks_lobes_of_the_place(self):
