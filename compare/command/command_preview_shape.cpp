@@ -36,6 +36,7 @@ std::optional<Direction> lamp_of(const Options& options) {
 LightDome dome_of(const Options& options) {
   const std::optional<Direction> lamp = lamp_of(options);
   if (options.environment == "uniform") return {SkyKind::uniform, lamp};
+  if (options.environment == "none") return {SkyKind::none, lamp};
   if (options.environment == "clear_sky") return {SkyKind::clear, lamp};
   if (options.environment == "overcast_sky") return {SkyKind::overcast, lamp};
   return {options.environment, lamp};

@@ -7,7 +7,6 @@
 
 #include "compare/drawing/chart.h"
 #include "compare/files/output_folder.h"
-#include "compare/preview/preview.h"
 #include "compare/report/lobe_files.h"
 #include "phase/math/luminance.h"
 
@@ -60,16 +59,6 @@ void add_picture(ExrImage& image, const NamedPicture& named, bool plain) {
   image.channels.emplace_back(named.name + ".samples.Y", exr_values(samples));
 }
 
-PreviewColumn column_of(const NamedPicture& named) {
-  PreviewColumn column{
-      named.name, {named.picture.width, named.picture.height, {}, {}}, named.told()};
-  for (std::size_t k = 0; k < named.picture.samples.size(); ++k) {
-    column.image.radiance.push_back(named.picture.mean(k));
-    column.image.covered.push_back(named.picture.samples[k] > 0);
-  }
-  return column;
-}
-
 // Error against time: of walks the noise, of others noise and bias.
 Chart error_chart(const std::vector<NamedPicture>& pictures, const PathRun& run) {
   Chart chart{.title = run.stack_name + ": speed against error",
@@ -93,6 +82,16 @@ Chart error_chart(const std::vector<NamedPicture>& pictures, const PathRun& run)
 }
 
 }  // namespace
+
+PreviewColumn column_of(const NamedPicture& named) {
+  PreviewColumn column{
+      named.name, {named.picture.width, named.picture.height, {}, {}}, named.told()};
+  for (std::size_t k = 0; k < named.picture.samples.size(); ++k) {
+    column.image.radiance.push_back(named.picture.mean(k));
+    column.image.covered.push_back(named.picture.samples[k] > 0);
+  }
+  return column;
+}
 
 TracedError traced_error(const PathPicture& truth, const PathPicture& picture) {
   TracedError error;

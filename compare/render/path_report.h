@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compare/drawing/picture_format.h"
+#include "compare/preview/preview.h"
 #include "compare/render/path_picture.h"
 #include "compare/report/input_files.h"
 
@@ -31,6 +32,9 @@ struct TracedError {
   double flip = 0;  ///< flip_error of preview.h, in [0, 1]; noise of both in it
 };
 [[nodiscard]] TracedError traced_error(const PathPicture& truth, const PathPicture& picture);
+
+/// As it is drawn beside others.
+[[nodiscard]] PreviewColumn column_of(const NamedPicture& named);
 
 /// What the files and answers tell of a run.
 struct PathRun {

@@ -92,6 +92,15 @@ class PathsOnAnObject(ProgramTest):
             noise = (4 * sky[name]["standard_error"] ** 2 + two[name]["standard_error"] ** 2) ** 0.5
             self.assertAlmostEqual(2 * sky[name]["mean_luminance"], two[name]["mean_luminance"], delta=4.5 * noise)
 
+    def test_see_the_lamp_alone_without_an_environment(self):
+        pictures = self.traced("sggx_slab", "--shape", "sphere", "--size", "16", "--samples", "4", "--light", "none",
+                               "--environment", "none", "--model", "lambert")
+        self.assertEqual([p["mean_luminance"] for p in pictures.values()], [0, 0])
+        lit = self.traced("sggx_slab", "--shape", "sphere", "--size", "96", "--samples", "16", "--light", "0",
+                          "--environment", "none", "--model", "lambert,albedo=1")["lambert"]
+        # A white sphere that faces the lamp: the mean cosine over its disc is 2/3.
+        self.assertAlmostEqual(lit["mean_luminance"], 2 / 3, delta=0.02)
+
     def test_take_maps(self):
         (self.folder / "map.exr").write_bytes(exr_bytes(Part({"Y": [[0.2, 0.8]] * 2})))
         self.write("a.toml", '[substrate]\nbsdf = "lambert"\nalbedo = { map = "map.exr", filter = "nearest" }\n')
