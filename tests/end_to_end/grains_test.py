@@ -196,7 +196,7 @@ class HeightField(ProgramTest):
     def test_smiths_surface_is_measured_beside_it(self):
         rows = {row["order"]: row for row in self.json_of("measure", "heights.toml", "--walks", "40000", "--wi", "60",
                                                           "--grid", "4x8", "--quiet")["smith"]}
-        # White mirrors keep the light, on either surface; Smith's first order at 60 degrees, 0.869, is the closed form's.
+        # White mirrors keep the light, on either surface; 0.869 is the closed form's first order.
         for name in ("height_field", "smith"):
             self.assertAlmostEqual(rows["all"]["energy_" + name], 1, delta=1e-3)
         self.assertAlmostEqual(rows["1"]["energy_smith"], 0.869, delta=4.5 * rows["1"]["energy_smith_error"] + 1e-3)
