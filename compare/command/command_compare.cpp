@@ -112,8 +112,8 @@ int compare_run(const DividedRun& run, const RunMonitor& monitor) {
     const LobeTable lobes = LobeTable::make(preview_request(request), monitor.stop, monitor.solver);
     if (monitor.finished) monitor.finished();
     const PreviewLighting lighting;
-    const std::vector<PreviewResult> views = preview_views(lobes, models, distinct_names(models),
-                                                           lighting, options.size, &user_interrupt);
+    const std::vector<PreviewResult> views =
+        preview_views(lobes, models, lighting, options.size, &user_interrupt);
     write_preview_files(folder + "/preview_", views, lobes, named_for_image(request, folder).stack,
                         lighting, formats, inputs);
     answer["previews"] = to_json(views);

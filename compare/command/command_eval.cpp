@@ -56,7 +56,7 @@ bool has_three_values(const KeyValues& values) {
 }
 
 // The stack that stack=... names, if it is there. Not both it and the pairs can be stdin.
-std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
+std::optional<Stack> take_stack(const Options& options, KeyValues& values, const std::string& what,
                                 const DirectionPairs& pairs) {
   const auto name = take(values, "stack");
   if (!name) return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<Stack> take_stack(KeyValues& values, const std::string& what,
   if (*name == "-" && pairs.file == kStdin)
     throw UsageError(fmt::format(
         "{}: key \"stack\": found - beside --pairs -; allowed: only one of them from stdin", what));
-  return with_surface_model(load_stack(*name));
+  return stack_of(options, *name);
 }
 
 [[noreturn]] void refuse_both_grazing(const DirectionPairs& pairs, std::size_t k) {
@@ -213,7 +213,8 @@ class AlbedoAccuracy {
 };
 
 // MODEL, MODEL.pdf, MODEL.albedo or MODEL.LOBE.
-CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionPairs& pairs) {
+CsvAnswer eval_model(const Options& options, const std::string& what, KeyValues values,
+                     const DirectionPairs& pairs) {
   std::optional<Stack> stack;
   CsvAnswer answer;
   answer.color = has_three_values(values);
@@ -232,9 +233,10 @@ CsvAnswer eval_model(const std::string& what, KeyValues values, const DirectionP
                                  hint.empty() ? "" : ", " + hint, listed(names)));
   }
   if (info->needs_stack) {
-    stack = take_stack(values, name, pairs);
+    stack = take_stack(options, values, name, pairs);
     if (stack) answer.color = answer.color || !stack->is_grey();
   }
+  if (!stack) refuse_place(options, what);
   ModelRequest request{name, values};
   if (stack) request = with_fitted_lobes(std::move(request), *stack);
   const BoundModel bound = bind_model(request, stack ? &*stack : nullptr);
@@ -349,7 +351,7 @@ int eval_run(const DividedRun& run, const RunMonitor& monitor) {
 
 // eval truth, as it can be divided: the stack and the pairs themselves, not where they are from.
 int eval_truth_command(const Options& options, KeyValues values, const DirectionPairs& pairs) {
-  const auto stack = take_stack(values, "truth", pairs);
+  const auto stack = take_stack(options, values, "truth", pairs);
   if (!stack)
     throw UsageError(
         "truth: key \"stack\": found nothing; allowed: a stack file, - or a built-in stack");
@@ -383,10 +385,11 @@ int eval_command(const Options& options, const std::vector<std::string>& words) 
   CsvAnswer answer;
   try {
     if (what == "truth") return eval_truth_command(options, parse_model_words(words).values, pairs);
+    if (what.starts_with("media.")) refuse_place(options, what);
     if (what.starts_with("media."))
       answer = eval_medium(what, parse_model_words(words).values, pairs.pairs);
     else
-      answer = eval_model(what, parse_model_words(words).values, pairs);
+      answer = eval_model(options, what, parse_model_words(words).values, pairs);
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("{}: {}", what, error.what()));
   }

@@ -28,7 +28,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 bool is_stack(const std::string& source) {
-  if (source == "-" || source.ends_with(".toml")) return true;
+  // A closed form may name a stack file at its end.
+  if (source == "-" || (source.ends_with(".toml") && source.find(",stack=") == std::string::npos))
+    return true;
   const auto& stacks = builtin_stacks();
   return std::any_of(stacks.begin(), stacks.end(),
                      [&](const BuiltinStack& s) { return s.name == source; });
@@ -40,16 +42,18 @@ struct Source {
   std::optional<BoundModel> model{};
 };
 
-Source source_of(const std::string& text) {
+Source source_of(const Options& options) {
+  const std::string& text = options.stack;
   Source source;
   if (is_stack(text)) {
-    source.stack = with_surface_model(load_stack(text));
+    source.stack = stack_of(options);
     return source;
   }
   ModelRequest request = parse_model_request(text);
   std::optional<Stack> stack;
   for (const auto& [key, value] : request.values)
-    if (key == "stack") stack = with_surface_model(load_stack(value));
+    if (key == "stack") stack = stack_of(options, value);
+  if (!stack) refuse_place(options, text);
   if (stack) std::erase_if(request.values, [](const auto& v) { return v.first == "stack"; });
   source.model =
       bind_model(stack ? with_fitted_lobes(request, *stack) : request, stack ? &*stack : nullptr);
@@ -115,7 +119,8 @@ int export_command(const Options& options, const std::string& format, const std:
   answer["to"] = format;
   answer["file"] = options.output;
   std::FILE* out = table_stream(options);
-  const Source source = options.stack.ends_with(".exr") ? Source{} : source_of(options.stack);
+  if (options.stack.ends_with(".exr")) refuse_place(options, options.stack);
+  const Source source = options.stack.ends_with(".exr") ? Source{} : source_of(options);
   const auto brdf_format = parse_brdf_format(format);
   std::string bytes;
   if (!brdf_format) {

@@ -28,6 +28,7 @@ int fit_models_command(const Options& options, const ClosedFormOptions& closed,
   catch_interrupts();
   const RunMonitor monitor = terminal_monitor(options);
   const FitTargetSource source = fit_target_source(options);
+  if (source.model || !source.files.empty()) refuse_place(options, options.stack);
   std::vector<std::filesystem::path> read = objects_among(models);
   read.insert(read.end(), source.files.begin(), source.files.end());
   const InputFiles inputs(source.stack, read);

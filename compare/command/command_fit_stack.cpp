@@ -28,10 +28,13 @@ int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
   if (to_file) check_output_file(options.output);
   if (options.stack == "-" && closed.stack == "-")
     throw UsageError("--stack: found - twice; allowed: stdin for one stack");
-  const Stack stack = with_surface_model(load_stack(closed.stack));
+  const FitTargetSource source = fit_target_source(options);
+  // The place is the target's, or where that is no stack, the fitted stack's.
+  const bool has_place = !options.at.empty() && (source.model || !source.files.empty());
+  const Stack stack =
+      has_place ? stack_of(options, closed.stack) : with_surface_model(load_stack(closed.stack));
   (void)parametric_stack(stack, closed.vary, 1);
   const RunMonitor monitor = terminal_monitor(options);
-  const FitTargetSource source = fit_target_source(options);
   const InputFiles inputs(source.stack, source.files), of_stack(stack);
   Options of_target = options;
   if (source.model || !source.files.empty()) {

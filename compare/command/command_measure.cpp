@@ -3,11 +3,13 @@
 #include "compare/command/command.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/least_squares.h"
+#include "compare/judge/smith_difference.h"
 #include "compare/nearest/grain_fit.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/request/errors.h"
 #include "compare/request/truth_request.h"
+#include "phase/math/degrees.h"
 #include "phase/stack/stack_file.h"
 #include "volume/grains/grain_measure.h"
 
@@ -113,6 +115,33 @@ Json to_json(const GrainMeasurement& m, bool bed) {
   return out;
 }
 
+// No medium stands for a surface: how far it is from Smith's.
+int measure_height_field(const Options& options, const TruthRequest& request) {
+  if (options.fit || options.medium_given || !options.output.empty())
+    throw UsageError(
+        "measure: found --fit, --medium or -o for a height_field, a surface that no medium stands "
+        "for; allowed: sphere_bed, packed_sphere_bed, micrograins");
+  const RunMonitor monitor = terminal_monitor(options);
+  const std::vector<SmithDifference> rows = smith_difference(request, monitor);
+  if (monitor.finished) monitor.finished();
+  if (!options.quiet)
+    fmt::print(table_stream(options), "{}: {} walks per direction on it and on Smith's surface\n{}",
+               request.stack.name, request.effort.walks, smith_difference_table(rows));
+  Json answer = json_header("measure", request);
+  answer["smith"] = Json::array();
+  for (const SmithDifference& r : rows)
+    answer["smith"].push_back({{"theta_i", theta_degrees(r.wi)},
+                               {"order", to_text(r.order)},
+                               {"energy_height_field", r.energy_field},
+                               {"energy_height_field_error", r.energy_field_error},
+                               {"energy_smith", r.energy_smith},
+                               {"energy_smith_error", r.energy_smith_error},
+                               {"relative_rmse", r.cells.rmse},
+                               {"relative_noise", r.cells.noise}});
+  write_json(answer, options.json);
+  return kDone;
+}
+
 }  // namespace
 
 int measure_command(const Options& options) {
@@ -123,10 +152,7 @@ int measure_command(const Options& options) {
         "measure: found the stack \"{}\" of media; allowed: explicit geometry (sphere_bed, "
         "packed_sphere_bed, micrograins), whose medium is to be found",
         stack.name));
-  if (stack.grains()->is_height_field())
-    throw UsageError(
-        "measure: found a height_field, a surface that no medium stands for; allowed: sphere_bed, "
-        "packed_sphere_bed, micrograins");
+  if (stack.grains()->is_height_field()) return measure_height_field(options, request);
   if (!options.fit && (!options.incident.empty() || options.grid != Options{}.grid))
     throw UsageError("measure: found --wi or --grid without --fit; allowed: beside it");
   if (options.fit) require_least_squares();

@@ -65,7 +65,7 @@ int preview_command(const Options& options, const std::vector<std::string>& pict
       fmt::print(out, "{}: {}\n", options.environment, taken);
   }
   const std::vector<PreviewResult> views =
-      preview_views(table, models, distinct_names(models), lighting, options.size, &user_interrupt);
+      preview_views(table, models, lighting, options.size, &user_interrupt);
   inputs.check();
   write_preview_files(folder + "/", views, table, stack, lighting, formats, inputs);
   nlohmann::ordered_json answer = json_header("preview", request);

@@ -36,6 +36,7 @@ std::optional<Direction> lamp_of(const Options& options) {
 LightDome dome_of(const Options& options) {
   const std::optional<Direction> lamp = lamp_of(options);
   if (options.environment == "uniform") return {SkyKind::uniform, lamp};
+  if (options.environment == "none") return {SkyKind::none, lamp};
   if (options.environment == "clear_sky") return {SkyKind::clear, lamp};
   if (options.environment == "overcast_sky") return {SkyKind::overcast, lamp};
   return {options.environment, lamp};
@@ -63,9 +64,10 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
     return options.white ? with_surface_model(whitened(std::move(one))) : one;
   };
   const Stack stack = shown(mapped ? surface.at(0.5, 0.5) : stack_of(options));
-  if (mapped && (!options.models.empty() || options.table))
+  if (mapped && options.table)
     throw UsageError(fmt::format(
-        "--model, --table: found {}; allowed: a stack that is the same everywhere (--at U,V)",
+        "--table: found {}, which has pictures among its values; allowed: a stack that is the same "
+        "everywhere (--at U,V)",
         stack.name));
   TruthRequest request = truth_request(options, stack);
   const std::vector<PictureFormat> formats = picture_formats_of(pictures);
@@ -82,8 +84,16 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
   for (const std::string& file : {options.environment, options.shape})
     if (std::filesystem::is_regular_file(file)) read.emplace_back(file);
   const InputFiles inputs(stack, read);
-  const std::vector<BoundModel> models =
-      mapped ? std::vector<BoundModel>() : fitted_models_for(model_requests(options), stack);
+  // Of a stack with maps: those of its middle, for the names; every place has its own.
+  std::vector<PlacedRequest> placed;
+  std::vector<BoundModel> models;
+  if (mapped)
+    for (const ModelRequest& one : requests_for(model_requests(options), stack)) {
+      placed.push_back(placed_request(one, stack));
+      models.push_back(model_at(placed.back(), stack));
+    }
+  else
+    models = fitted_models_for(model_requests(options), stack);
   const std::string folder = options.output.empty() ? stack.name + "-preview" : options.output;
   make_output_folder(folder);
   const FolderLock lock(folder);
@@ -107,31 +117,43 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
                     options.shape, options.depth, options.equal_time};
   // What is there is written now and then, at doubling times; not where time is measured.
   constexpr double kFirstWrite = 5;
-  const auto add = [&](const std::string& name, const SurfaceScatter& scatter) {
+  const auto add = [&](const std::string& name, const std::string& label,
+                       const SurfaceScatter& scatter) {
     if (!found.empty() && user_interrupt) return;
     double next_write = kFirstWrite;
     const PathWatch watch = [&](const PathPicture& so_far, int samples) {
       const auto pixels = static_cast<std::uint64_t>(so_far.samples.size());
       if (monitor.progress)
-        monitor.progress(name,
+        monitor.progress(label,
                          {static_cast<std::uint64_t>(samples) * pixels,
                           static_cast<std::uint64_t>(settings.samples) * pixels, so_far.seconds});
       if (options.equal_time || so_far.seconds < next_write) return;
       while (next_write <= so_far.seconds) next_write *= 2;
       std::vector<NamedPicture> now = found;
-      now.push_back({name, so_far});
+      now.push_back({name, so_far, label});
       write_path_files(folder, now, run, formats, inputs);
     };
     found.push_back(
-        {name, trace_picture(object, scatter, light, settings, &user_interrupt, watch)});
+        {name, trace_picture(object, scatter, light, settings, &user_interrupt, watch), label});
     if (monitor.finished) monitor.finished();
   };
-  add("truth", *truth);
-  const std::vector<std::string> names = distinct_names(models);
-  for (std::size_t k = 0; k < models.size(); ++k)
-    add(names[k], *closed_surface(*models[k].model, models[k].info->transmits));
+  add("truth", "truth", *truth);
+  const std::vector<std::string> names = distinct_names(models), labels = distinct_labels(models);
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    // What lies on a ground lets no light pass, whatever the form could.
+    const bool transmits = models[k].info->transmits && stack.is_open_below();
+    if (mapped)
+      add(names[k], labels[k],
+          *closed_surface({surface.columns(), surface.rows(),
+                           [&, k](double u, double v) {
+                             return std::move(model_at(placed[k], shown(surface.at(u, v))).model);
+                           }},
+                          transmits));
+    else
+      add(names[k], labels[k], *closed_surface(*models[k].model, transmits));
+  }
   if (table)
-    add("table",
+    add("table", "table",
         *tabulated_surface([&](Direction wo) { return table->towards(wo); },
                            table->has_specular() ? std::function<Rgb(Direction)>([&](Direction wo) {
                              return table->specular(wo);

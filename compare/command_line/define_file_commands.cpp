@@ -227,6 +227,7 @@ void define_export(CommandLine& line) {
   add_export_source(command, line,
                     "A stack (its truth), a model as --model takes it, or an EXR file of lobes",
                     "SOURCE");
+  add_at(command, line);
   command
       .add_option("--to", line.format,
                   "mitsuba: tensor file of RGB; pbrt: of spectra; merl; npz, csv: lobes on cells")

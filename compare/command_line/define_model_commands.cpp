@@ -19,6 +19,7 @@ void define_eval(CommandLine& line) {
       ->transform(named("a CSV file of direction pairs, or -"))
       ->required()
       ->type_name("FILE");
+  add_at(command, line);
   add_walks(command, line, "Walks per incident direction, of truth");
   add_walk_limits(command, line);
   add_seed(command, line);
@@ -189,6 +190,7 @@ void define_fit(CommandLine& line) {
                   "TOML file, - for stdin, built-in stack; with --model also lobes (FILE.exr), a "
                   "measured material (FILE.binary, FILE.bsdf) or a closed form "
                   "(NAME[,key=value...])");
+  add_at(command, line);
   add_grid(command, line);
   add_model(command, line,
             "A closed form, repeatable: keys that are given stay, the others are fitted "

@@ -96,8 +96,8 @@ void define_preview(CommandLine& line) {
   command
       .add_option(
           "--environment", line.options.environment,
-          "Light from everywhere: uniform, or a lat-long picture; with --shape also clear_sky "
-          "or overcast_sky (default uniform)")
+          "Light from everywhere: uniform, or a lat-long picture; with --shape also clear_sky, "
+          "overcast_sky or none (default uniform)")
       ->transform(named("uniform, or an EXR file"))
       ->type_name("uniform|FILE.exr");
   command.add_option("--size", line.options.size, "Pixels across (default 192)")

@@ -84,4 +84,22 @@ std::vector<BoundModel> fitted_models_for(const std::vector<ModelRequest>& reque
   return bound;
 }
 
+PlacedRequest placed_request(const ModelRequest& request, const Stack& middle) {
+  PlacedRequest placed{request, with_fitted_lobes(request, middle), false};
+  if (request.name != "spongecake") return placed;
+  // Of the keys, `lobes` and `stack` leave the lobes open.
+  std::string lobes = "auto";
+  for (const auto& [key, value] : request.values) {
+    if (key == "lobes") lobes = value;
+    if (key != "lobes" && key != "stack") lobes = "given";
+  }
+  placed.predicts = lobes == "auto" || lobes == "network";
+  return placed;
+}
+
+BoundModel model_at(const PlacedRequest& request, const Stack& place) {
+  const bool predicted = request.predicts && why_no_network(place).empty();
+  return model_for(predicted ? with_fitted_lobes(request.own, place) : request.of_middle, place);
+}
+
 }  // namespace lamella

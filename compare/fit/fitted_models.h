@@ -17,4 +17,15 @@ namespace lamella {
 [[nodiscard]] std::vector<BoundModel> fitted_models_for(const std::vector<ModelRequest>& requests,
                                                         const Stack& stack);
 
+/// A request for a stack whose values vary over the surface. SpongeCake's lobes, where they are
+/// left open, are the network's at every place that it knows; elsewhere those of the middle, whose
+/// parameters are factors of the layers' own.
+struct PlacedRequest {
+  ModelRequest own, of_middle;
+  bool predicts = false;
+};
+[[nodiscard]] PlacedRequest placed_request(const ModelRequest& request, const Stack& middle);
+/// The model of a place; any thread. Throws UsageError where the request does not suit it.
+[[nodiscard]] BoundModel model_at(const PlacedRequest& request, const Stack& place);
+
 }  // namespace lamella

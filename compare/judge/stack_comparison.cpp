@@ -13,9 +13,10 @@ namespace {
 // With the models and the time that each takes.
 StackComparison comparison_of(const std::vector<BoundModel>& models) {
   StackComparison comparison;
-  const std::vector<std::string> names = distinct_names(models);
+  const std::vector<std::string> names = distinct_names(models), labels = distinct_labels(models);
   for (std::size_t m = 0; m < models.size(); ++m)
-    comparison.models.push_back({&models[m], names[m], nanoseconds_per_eval(*models[m].model)});
+    comparison.models.push_back(
+        {&models[m], names[m], labels[m], nanoseconds_per_eval(*models[m].model)});
   return comparison;
 }
 

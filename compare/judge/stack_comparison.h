@@ -14,6 +14,7 @@ namespace lamella {
 struct JudgedModel {
   const BoundModel* bound = nullptr;
   std::string name;        ///< of its files: distinct among the models of a comparison
+  std::string label;       ///< the same for people (distinct_labels)
   double nanoseconds = 0;  ///< per evaluation of one pair; 0: of what has lobes on cells alone
   std::vector<LobeComparison> lobes{};
 };

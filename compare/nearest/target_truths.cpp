@@ -169,7 +169,7 @@ StackComparison compare_with(const TargetTruths& target, const BoundModel& model
   StackComparison comparison;
   comparison.choice = bounded ? bounded->choice : target.choice;
   comparison.channels = target.plan.channels;
-  comparison.models.push_back({&model, model.info->name});
+  comparison.models.push_back({&model, model.info->name, model.info->name});
   std::vector<LobeComparison*> all;
   for (std::size_t k = 0; k < truths.size(); ++k) {
     const Truth& truth = truths[k];

@@ -107,6 +107,20 @@ Stack stack_of(const Options& options) {
   return *stack_at_place(options, surface_of(options), false);
 }
 
+Stack stack_of(const Options& options, const std::string& name) {
+  Options of_name = options;
+  of_name.stack = name;
+  return stack_of(of_name);
+}
+
+void refuse_place(const Options& options, const std::string& what) {
+  if (!options.at.empty())
+    throw UsageError(fmt::format(
+        "--at: found \"{}\" beside {}, which is no stack; allowed: with a stack that has pictures "
+        "among its values",
+        options.at, what));
+}
+
 StackOrMean stack_or_mean_of(const Options& options) {
   const SurfaceStack surface = surface_of(options);
   if (auto stack = stack_at_place(options, surface, true)) return {std::move(*stack), {}};

@@ -79,6 +79,10 @@ struct Options {
 /// STACK, at the place of --at where it has maps. Throws UsageError for such a stack without --at,
 /// and for --at mean.
 [[nodiscard]] Stack stack_of(const Options& options);
+/// The same of another stack, by its name or file.
+[[nodiscard]] Stack stack_of(const Options& options, const std::string& name);
+/// Throws UsageError for --at where `what` is no stack.
+void refuse_place(const Options& options, const std::string& what);
 /// STACK as commands take it that know the mean over a map.
 struct StackOrMean {
   Stack stack;                  ///< of the mean: its first texel, with the name of the whole

@@ -45,10 +45,13 @@ struct PreviewImage {
 [[nodiscard]] PreviewImage render_lamp(const ReflectionTowards& f, const Specular& specular,
                                        const PreviewView& view);
 
-/// A named picture of a view; the first of a view is the truth.
+/// A named picture of a view; the first of a view is the truth. `label`: what is written above it;
+/// empty: the name.
 struct PreviewColumn {
   std::string name;
   PreviewImage image;
+  std::string label{};
+  [[nodiscard]] const std::string& told() const { return label.empty() ? name : label; }
 };
 
 /// What the pictures of a view share.
@@ -57,6 +60,10 @@ struct PreviewScales {
   ColorScale difference;  ///< of the luminance, model - truth
 };
 [[nodiscard]] PreviewScales scales_of(const std::vector<PreviewColumn>& columns);
+
+/// The mean of FLIP (flip.h) over the pixels that the truth covers, both pictures at the exposure
+/// at which they are drawn. Noise counts.
+[[nodiscard]] double flip_error(const PreviewImage& truth, const PreviewImage& picture);
 
 /// PNG bytes of one picture; of the signed difference in luminance, model - truth.
 [[nodiscard]] std::string picture_png(const PreviewImage& image, double white);

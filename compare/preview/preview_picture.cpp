@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string_view>
 
 #include "compare/drawing/canvas.h"
 #include "compare/drawing/color_bar.h"
 #include "compare/drawing/picture_text.h"
+#include "compare/preview/flip.h"
 #include "compare/preview/preview.h"
 #include "phase/math/luminance.h"
 
@@ -38,6 +40,17 @@ double white_of(const std::vector<const PreviewImage*>& images) {
 
 void text(Canvas& canvas, int x, int y, const std::string& what, Font font, int width) {
   canvas.text(x, y, shortened(what, font, width), font, Align::left, kText);
+}
+
+// The label of a picture; where it is too long, what comes after its name, then its values alone.
+void label(Canvas& canvas, int x, int y, const PreviewColumn& column, int width) {
+  std::string what = column.told();
+  for (const char* end : {", ", "="}) {
+    if (shortened(what, Font::small, width) == what) break;
+    const std::size_t at = what.find(end);
+    if (at != std::string::npos) what.erase(0, at + std::string_view(end).size());
+  }
+  text(canvas, x, y, what, Font::small, width);
 }
 
 double difference_at(const PreviewImage& truth, const PreviewImage& model, std::size_t k) {
@@ -79,6 +92,25 @@ PreviewScales scales_of(const std::vector<PreviewColumn>& columns) {
   return {white_of({&truth}), signed_scale(differences)};
 }
 
+double flip_error(const PreviewImage& truth, const PreviewImage& picture) {
+  const double white = white_of({&truth});
+  const auto shown = [&](const PreviewImage& image) {
+    std::vector<Rgb> out;
+    for (std::size_t k = 0; k < image.radiance.size(); ++k)
+      out.push_back(image.covered[k] ? 1 / white * image.radiance[k] : Rgb());
+    return out;
+  };
+  const std::vector<double> errors =
+      flip_errors(truth.width, truth.height, shown(truth), shown(picture));
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < errors.size(); ++k)
+    if (truth.covered[k]) {
+      sum += errors[k];
+      ++count;
+    }
+  return count > 0 ? sum / count : 0;
+}
+
 std::string picture_png(const PreviewImage& image, double white) {
   Canvas canvas(image.width, image.height);
   canvas.fill(0, 0, image.width, image.height, kBackground);
@@ -110,7 +142,7 @@ std::string draw_preview(const std::string& title, const std::vector<PreviewColu
   for (int c = 0; c < count; ++c) {
     const PreviewImage& image = columns[c].image;
     const int left = kMargin + c * (truth.width + kGap);
-    text(canvas, left, kTitle, columns[c].name, Font::small, truth.width);
+    label(canvas, left, kTitle, columns[c], truth.width);
     paint_picture(canvas, left, kTitle + kLabel, image, scales.white);
     if (c == 0) continue;
     text(canvas, left, second, "model \u2212 truth", Font::small, truth.width);
@@ -141,7 +173,7 @@ std::string draw_gallery(const std::string& title, const std::vector<PreviewColu
   const double shown = white ? *white : white_of(images);
   for (int c = 0; c < count; ++c) {
     const int left = kMargin + c * (first.width + kGap);
-    text(canvas, left, kTitle, columns[c].name, Font::small, first.width);
+    label(canvas, left, kTitle, columns[c], first.width);
     paint_picture(canvas, left, kTitle + kLabel, columns[c].image, shown);
   }
   return canvas.bytes();

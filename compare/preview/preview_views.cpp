@@ -47,20 +47,21 @@ std::string title_of(const PreviewView& view, const PreviewLighting& lighting) {
 
 // What is drawn, and its name.
 struct Surface {
-  std::string name;
+  std::string name, label;
   ReflectionTowards f;
   Specular specular;  // none: no delta
 };
 
 Surface surface_of(const LobeTable& truth) {
-  Surface surface{"truth", [&](Direction wo) { return truth.towards(wo); }, {}};
+  Surface surface{"truth", "truth", [&](Direction wo) { return truth.towards(wo); }, {}};
   if (truth.has_specular()) surface.specular = [&](Direction wo) { return truth.specular(wo); };
   return surface;
 }
 
-Surface surface_of(const std::string& name, const Model& model) {
+Surface surface_of(const std::string& name, const std::string& label, const Model& model) {
   Surface surface{
       name,
+      label,
       [&model](Direction wo) { return [&model, wo](Direction wi) { return model.eval(wi, wo); }; },
       {}};
   // A coat that mirrors does so along the normal, too.
@@ -77,12 +78,12 @@ std::string PreviewResult::name() const { return to_text(view.scene) + "_" + to_
 
 std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                          const std::vector<BoundModel>& models,
-                                         const std::vector<std::string>& names,
                                          const PreviewLighting& lighting, int size,
                                          const StopFlag* stop) {
   std::vector<Surface> surfaces{surface_of(truth)};
+  const std::vector<std::string> names = distinct_names(models), labels = distinct_labels(models);
   for (std::size_t k = 0; k < models.size(); ++k)
-    surfaces.push_back(surface_of(names[k], *models[k].model));
+    surfaces.push_back(surface_of(names[k], labels[k], *models[k].model));
   std::vector<ReflectedLight> reflected;
   for (const Surface& s : surfaces) {
     if (is_set(stop)) return {};
@@ -95,8 +96,9 @@ std::vector<PreviewResult> preview_views(const LobeTable& truth,
       if (is_set(stop)) return views;
       PreviewResult result{{scene, light, size, lighting.lamp_theta, lighting.lamp_phi}, {}};
       for (std::size_t k = 0; k < surfaces.size(); ++k)
-        result.columns.push_back(
-            {surfaces[k].name, render(surfaces[k].f, result.view, reflected[k])});
+        result.columns.push_back({surfaces[k].name,
+                                  render(surfaces[k].f, result.view, reflected[k]),
+                                  surfaces[k].label});
       views.push_back(std::move(result));
     }
   return views;
@@ -135,7 +137,10 @@ Json to_json(const std::vector<PreviewResult>& views) {
   for (const PreviewResult& result : views) {
     Json pictures = Json::array();
     for (const PreviewColumn& column : result.columns)
-      pictures.push_back({{"name", column.name}, {"mean_luminance", mean_luminance(column.image)}});
+      pictures.push_back({{"name", column.name},
+                          {"label", column.told()},
+                          {"mean_luminance", mean_luminance(column.image)},
+                          {"flip", flip_error(result.columns.front().image, column.image)}});
     list.push_back({{"scene", to_text(result.view.scene)},
                     {"light", to_text(result.view.light)},
                     {"pictures", std::move(pictures)}});
@@ -175,9 +180,15 @@ Json preview_page_details(const std::vector<PreviewResult>& views, const LobeTab
 std::string preview_table(const std::vector<PreviewResult>& views) {
   std::string text;
   for (const PreviewResult& result : views)
-    for (const PreviewColumn& column : result.columns)
-      text += fmt::format("  {:<20} {:<28} mean luminance {:.5f}\n", result.name(), column.name,
-                          mean_luminance(column.image));
+    for (const PreviewColumn& column : result.columns) {
+      const bool first = &column == &result.columns.front();
+      text +=
+          fmt::format("  {:<18} {:<40} mean luminance {:.5f}{}\n", result.name(), column.told(),
+                      mean_luminance(column.image),
+                      first ? ""
+                            : fmt::format("  FLIP {:.3f}",
+                                          flip_error(result.columns.front().image, column.image)));
+    }
   return text;
 }
 

@@ -27,10 +27,9 @@ struct PreviewResult {
 };
 
 /// Sphere and plane, under the lamp and under the environment, `size` pixels across; fewer once
-/// `stop` is set. `names`: one per model. Runs in the calling thread's task arena.
+/// `stop` is set. Models have distinct names and labels. Runs in the calling thread's task arena.
 [[nodiscard]] std::vector<PreviewResult> preview_views(const LobeTable& truth,
                                                        const std::vector<BoundModel>& models,
-                                                       const std::vector<std::string>& names,
                                                        const PreviewLighting& lighting, int size,
                                                        const StopFlag* stop);
 

@@ -47,8 +47,8 @@ const double kLampRadiance = 1 / std::pow(std::sin(LightDome::kLampRadius), 2);
 
 std::vector<Rgb> sky_texels(SkyKind sky, int columns, int rows, Direction sun) {
   std::vector<Rgb> texels(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows),
-                          Rgb(1));
-  if (sky == SkyKind::uniform) return texels;
+                          Rgb(sky == SkyKind::none ? 0 : 1));
+  if (sky == SkyKind::uniform || sky == SkyKind::none) return texels;
   if (sun.y < 0) sun.y = -sun.y;
   double irradiance = 0;
   for (int row = 0; row < rows; ++row)
@@ -73,7 +73,7 @@ std::vector<Rgb> sky_texels(SkyKind sky, int columns, int rows, Direction sun) {
 }
 
 LightDome::LightDome(SkyKind sky, std::optional<Direction> lamp) {
-  if (sky != SkyKind::uniform) {
+  if (sky == SkyKind::clear || sky == SkyKind::overcast) {
     columns_ = kSkyColumns;
     rows_ = kSkyRows;
   }

@@ -10,8 +10,9 @@
 namespace lamella {
 
 /// Generated skies: the same radiance 1 from all sides; the CIE's standard general sky, clear (type
-/// 12, bluish, brightest about the lamp) or overcast (type 1), over a grey ground.
-enum class SkyKind { uniform, clear, overcast };
+/// 12, bluish, brightest about the lamp) or overcast (type 1), over a grey ground; none, the lamp
+/// alone.
+enum class SkyKind { uniform, clear, overcast, none };
 
 /// Light that comes from far away: a lat-long picture as Environment has them (y up, the middle
 /// column is -z), and a lamp: a disc of angular radius kLampRadius that gives a perpendicular

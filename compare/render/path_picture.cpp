@@ -182,6 +182,11 @@ ViewedObject::ViewedObject(const std::string& shape) {
   }
 }
 
+ViewedObject::ViewedObject(TriangleMesh mesh) : kind_(Kind::mesh) {
+  frame(mesh);
+  mesh_ = std::make_unique<MeshScene>(std::move(mesh));
+}
+
 int ViewedObject::rows(int columns) const { return kind_ == Kind::plane ? columns / 2 : columns; }
 
 ViewedObject::Ray ViewedObject::camera(double x, double y) const {

@@ -23,6 +23,7 @@ class ViewedObject {
 
   /// sphere, plane, cloth, knot, or the name of an OBJ file. Throws UsageError, naming --shape.
   explicit ViewedObject(const std::string& shape);
+  explicit ViewedObject(TriangleMesh mesh);
 
   struct Ray {
     Direction origin, d;

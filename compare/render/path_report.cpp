@@ -7,7 +7,6 @@
 
 #include "compare/drawing/chart.h"
 #include "compare/files/output_folder.h"
-#include "compare/preview/preview.h"
 #include "compare/report/lobe_files.h"
 #include "phase/math/luminance.h"
 
@@ -60,15 +59,6 @@ void add_picture(ExrImage& image, const NamedPicture& named, bool plain) {
   image.channels.emplace_back(named.name + ".samples.Y", exr_values(samples));
 }
 
-PreviewColumn column_of(const NamedPicture& named) {
-  PreviewColumn column{named.name, {named.picture.width, named.picture.height, {}, {}}};
-  for (std::size_t k = 0; k < named.picture.samples.size(); ++k) {
-    column.image.radiance.push_back(named.picture.mean(k));
-    column.image.covered.push_back(named.picture.samples[k] > 0);
-  }
-  return column;
-}
-
 // Error against time: of walks the noise, of others noise and bias.
 Chart error_chart(const std::vector<NamedPicture>& pictures, const PathRun& run) {
   Chart chart{.title = run.stack_name + ": speed against error",
@@ -81,7 +71,7 @@ Chart error_chart(const std::vector<NamedPicture>& pictures, const PathRun& run)
     const double bias = &named == &pictures.front()
                             ? 0
                             : traced_error(pictures.front().picture, named.picture).bias;
-    ChartSeries series{.label = named.name, .x = {}, .y = {}};
+    ChartSeries series{.label = named.told(), .x = {}, .y = {}};
     for (const PathPicture::Checkpoint& at : named.picture.checkpoints) {
       series.x.push_back(std::log10(at.seconds));
       series.y.push_back(at.noise + bias);
@@ -92,6 +82,16 @@ Chart error_chart(const std::vector<NamedPicture>& pictures, const PathRun& run)
 }
 
 }  // namespace
+
+PreviewColumn column_of(const NamedPicture& named) {
+  PreviewColumn column{
+      named.name, {named.picture.width, named.picture.height, {}, {}}, named.told()};
+  for (std::size_t k = 0; k < named.picture.samples.size(); ++k) {
+    column.image.radiance.push_back(named.picture.mean(k));
+    column.image.covered.push_back(named.picture.samples[k] > 0);
+  }
+  return column;
+}
 
 TracedError traced_error(const PathPicture& truth, const PathPicture& picture) {
   TracedError error;
@@ -104,24 +104,32 @@ TracedError traced_error(const PathPicture& truth, const PathPicture& picture) {
   // A difference d of noise v and bias b has the variance 2 v^2 + 4 b^2 v of its square.
   if (covered > 0)
     error.bias_error = std::sqrt((2 * noise * noise + 4 * error.bias * noise) / covered);
+  if (&truth != &picture)
+    error.flip = flip_error(column_of({"", truth}).image, column_of({"", picture}).image);
   return error;
 }
 
 std::string picture_table(const std::vector<NamedPicture>& pictures) {
   std::string text =
-      fmt::format("  {:<26} {:>8} {:>8} {:>10} {:>9} {:>10} {:>10} {:>9}\n", "picture", "samples",
-                  "seconds", "luminance", "+-", "noise", "bias^2", "cut");
+      fmt::format("  {:<26} {:>7} {:>7} {:>10} {:>8} {:>9} {:>9} {:>6} {:>8}\n", "picture",
+                  "samples", "seconds", "luminance", "+-", "noise", "bias^2", "FLIP", "cut");
   for (const NamedPicture& named : pictures) {
     const TracedError error = traced_error(pictures.front().picture, named.picture);
-    text += fmt::format("  {:<26} {:>8} {:>8.2f} {:>10.5f} {:>9.1e} {:>10.2e} {:>10} {:>9.1e}\n",
-                        named.name, most_samples(named.picture), named.picture.seconds,
-                        mean_luminance(named.picture), mean_error(named.picture), error.noise,
-                        &named == &pictures.front() ? "truth" : fmt::format("{:.2e}", error.bias),
-                        named.picture.cut);
+    // A long label has a line of its own.
+    const bool is_long = named.told().size() > 26;
+    if (is_long) text += fmt::format("  {}\n", named.told());
+    text +=
+        fmt::format("  {:<26} {:>8} {:>8.2f} {:>10.5f} {:>9.1e} {:>10.2e} {:>10} {:>9.1e}\n",
+                    is_long ? "" : named.told(), most_samples(named.picture), named.picture.seconds,
+                    mean_luminance(named.picture), mean_error(named.picture), error.noise,
+                    &named == &pictures.front() ? "truth" : fmt::format("{:.2e}", error.bias),
+                    named.picture.cut);
   }
   return text +
          "\n  noise, bias^2: relative mean square errors over the pixels; bias^2 without the noise "
-         "of both\n  cut: mean weight of paths that --depth ended\n";
+         "of both\n  FLIP: what a viewer sees who flips between both pictures, 0 to 1; noise "
+         "counts\n"
+         "  cut: mean weight of paths that --depth ended\n";
 }
 
 Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
@@ -133,6 +141,7 @@ Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
       checkpoints.push_back(
           {{"seconds", at.seconds}, {"samples", at.samples}, {"noise", at.noise}});
     list.push_back({{"name", named.name},
+                    {"label", named.told()},
                     {"samples", most_samples(named.picture)},
                     {"seconds", named.picture.seconds},
                     {"mean_luminance", mean_luminance(named.picture)},
@@ -141,6 +150,7 @@ Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
                     {"difference", error.difference},
                     {"bias", error.bias},
                     {"bias_error", error.bias_error},
+                    {"flip", error.flip},
                     {"cut", named.picture.cut},
                     {"checkpoints", std::move(checkpoints)}});
   }

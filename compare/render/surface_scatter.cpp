@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <mutex>
 
+#include "compare/render/place_grid.h"
 #include "compare/request/errors.h"
 #include "phase/math/sampling.h"
 #include "phase/random/random.h"
@@ -23,10 +22,9 @@ class WalkedSurface final : public SurfaceScatter {
  public:
   WalkedSurface(StackOfPlaces stack, const WalkLimits& limits)
       : stack_(std::move(stack)),
-        limits_(limits),
-        columns_(std::min(stack_.columns, kMostPlaces)),
-        rows_(std::min(stack_.rows, kMostPlaces)),
-        places_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
+        places_(stack_.columns, stack_.rows, [this, limits](double u, double v) {
+          return std::make_unique<ViewedStack>(stack_.at(u, v), limits);
+        }) {
     // Refuses early, and knows the sides: those of a map's stacks are the same everywhere.
     const Stack middle = stack_.at(0.5, 0.5);
     if (middle.substrate && !middle.substrate->model.empty())
@@ -34,14 +32,14 @@ class WalkedSurface final : public SurfaceScatter {
         throw std::invalid_argument(fmt::format(
             "{}: found a substrate whose closed form, {}, is not reciprocal; allowed: one that is",
             middle.name, form->name));
-    transmits_ = place(0.5, 0.5).transmits();
+    transmits_ = places_.at(0.5, 0.5).transmits();
   }
 
   [[nodiscard]] bool transmits() const override { return transmits_; }
 
   [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
                                   std::uint64_t seed, std::uint64_t number) const override {
-    const ViewedLight light = place(u, v).follow(wo, wi, seed, number);
+    const ViewedLight light = places_.at(u, v).follow(wo, wi, seed, number);
     Scattered out{light.f, kWalkDensity, {}};
     if (light.departure)
       out.next = Scattered::Next{
@@ -52,40 +50,13 @@ class WalkedSurface final : public SurfaceScatter {
   }
 
   [[nodiscard]] double uncollided(double u, double v, Direction w) const override {
-    return place(u, v).uncollided(w);
+    return places_.at(u, v).uncollided(w);
   }
 
  private:
-  [[nodiscard]] const ViewedStack& place(double u, double v) const {
-    const auto index = [](double x, int count) {
-      return static_cast<std::size_t>(
-          std::min(static_cast<int>((x - std::floor(x)) * count), count - 1));
-    };
-    const std::size_t column = index(u, columns_), row = index(v, rows_);
-    Place& at = places_[row * static_cast<std::size_t>(columns_) + column];
-    if (const ViewedStack* made = at.made.load(std::memory_order_acquire)) return *made;
-    const std::lock_guard lock(making_);
-    if (!at.stack) {
-      at.stack =
-          std::make_unique<ViewedStack>(stack_.at((static_cast<double>(column) + 0.5) / columns_,
-                                                  (static_cast<double>(row) + 0.5) / rows_),
-                                        limits_);
-      at.made.store(at.stack.get(), std::memory_order_release);
-    }
-    return *at.stack;
-  }
-
-  struct Place {
-    std::atomic<const ViewedStack*> made{nullptr};
-    std::unique_ptr<ViewedStack> stack;
-  };
-
   StackOfPlaces stack_;
-  WalkLimits limits_;
-  int columns_, rows_;
+  PlaceGrid<ViewedStack> places_;
   bool transmits_ = false;
-  mutable std::vector<Place> places_;
-  mutable std::mutex making_;
 };
 
 // Uniforms of a closed form's sample.
@@ -100,6 +71,53 @@ Direction cosine_direction(RandomStream& stream, bool up) {
   return w;
 }
 
+// Shares of a closed form's samples that are drawn by the cosine, on w_o's side and beyond.
+constexpr double kCosineShare = 0.2, kBeyondShare = 0.3;
+
+// One sample of a closed form on a surface that lets light pass or not.
+Scattered scatter_by(const Model& model, bool transmits, Direction wo, const Direction* wi,
+                     std::uint64_t seed, std::uint64_t number) {
+  RandomStream stream = sample_stream(seed, number);
+  // Deltas, then the closed form's own sampler, or a cosine on either side: samplers leave out
+  // lobes (SpongeCake's multiple scattering) and know one side (facets).
+  const Rgb mirror = model.specular(wo);
+  const double passes = transmits ? model.uncollided(-wo) : 0;
+  const double p_mirror = std::min(0.4, mirror.max()), p_pass = std::min(0.4, passes);
+  const double rest = 1 - p_mirror - p_pass;
+  const double p_near = kCosineShare * rest, p_far = transmits ? kBeyondShare * rest : 0;
+  const double p_model = rest - p_near - p_far;
+  const auto density_of = [&](Direction w) {
+    const bool beyond = (w.z > 0) != (wo.z > 0);
+    return p_model * model.pdf(w, wo) + (beyond ? p_far : p_near) * std::abs(w.z) / kPi;
+  };
+  Scattered out;
+  if (wi) {
+    out.f = model.eval(*wi, wo);
+    out.target_density = density_of(*wi);
+  }
+  const double u = stream.uniform();
+  if (u < p_mirror) {
+    out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
+  } else if (u < p_mirror + p_pass) {
+    // By reciprocity: light from -wo.
+    out.next = Scattered::Next{-wo, Rgb(passes / p_pass), {}, true};
+  } else {
+    std::optional<Direction> w;
+    if (u < p_mirror + p_pass + p_model) {
+      const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
+      w = model.sample(wo, u1, u2, u3);
+    } else {
+      const bool beyond = u >= p_mirror + p_pass + p_model + p_near;
+      w = cosine_direction(stream, (wo.z > 0) != beyond);
+    }
+    if (!w || w->z == 0) return out;
+    const double density = density_of(*w);
+    if (density > 0)
+      out.next = Scattered::Next{*w, (std::abs(w->z) / density) * model.eval(*w, wo), density};
+  }
+  return out;
+}
+
 class ClosedSurface final : public SurfaceScatter {
  public:
   ClosedSurface(const Model& model, bool transmits) : model_(model), transmits_(transmits) {}
@@ -108,49 +126,32 @@ class ClosedSurface final : public SurfaceScatter {
   [[nodiscard]] double uncollided(double, double, Direction w) const override {
     return transmits_ ? model_.uncollided(w) : 0;
   }
-
   [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
                                   std::uint64_t seed, std::uint64_t number) const override {
-    RandomStream stream = sample_stream(seed, number);
-    // Deltas, then the closed form's own sampler on w_o's side, or a cosine on the other.
-    const Rgb mirror = model_.specular(wo);
-    const double passes = transmits_ ? model_.uncollided(-wo) : 0;
-    const double p_mirror = std::min(0.4, mirror.max()), p_pass = std::min(0.4, passes);
-    const double rest = 1 - p_mirror - p_pass, p_side = transmits_ ? 0.5 * rest : rest;
-    // The model's sampler may know both sides: a mixture of it and the cosine beyond.
-    const auto density_of = [&](Direction w) {
-      const bool beyond = (w.z > 0) != (wo.z > 0);
-      return p_side * model_.pdf(w, wo) + (beyond ? (rest - p_side) * std::abs(w.z) / kPi : 0);
-    };
-    Scattered out;
-    if (wi) {
-      out.f = model_.eval(*wi, wo);
-      out.target_density = density_of(*wi);
-    }
-    const double u = stream.uniform();
-    if (u < p_mirror) {
-      out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
-    } else if (u < p_mirror + p_pass) {
-      // By reciprocity: light from -wo.
-      out.next = Scattered::Next{-wo, Rgb(passes / p_pass), {}, true};
-    } else {
-      std::optional<Direction> w;
-      if (u < p_mirror + p_pass + p_side) {
-        const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
-        w = model_.sample(wo, u1, u2, u3);
-      } else {
-        w = cosine_direction(stream, wo.z < 0);
-      }
-      if (!w || w->z == 0) return out;
-      const double density = density_of(*w);
-      if (density > 0)
-        out.next = Scattered::Next{*w, (std::abs(w->z) / density) * model_.eval(*w, wo), density};
-    }
-    return out;
+    return scatter_by(model_, transmits_, wo, wi, seed, number);
   }
 
  private:
   const Model& model_;
+  bool transmits_;
+};
+
+class MappedClosedSurface final : public SurfaceScatter {
+ public:
+  MappedClosedSurface(ModelOfPlaces model, bool transmits)
+      : places_(model.columns, model.rows, std::move(model.at)), transmits_(transmits) {}
+
+  [[nodiscard]] bool transmits() const override { return transmits_; }
+  [[nodiscard]] double uncollided(double u, double v, Direction w) const override {
+    return transmits_ ? places_.at(u, v).uncollided(w) : 0;
+  }
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
+                                  std::uint64_t seed, std::uint64_t number) const override {
+    return scatter_by(places_.at(u, v), transmits_, wo, wi, seed, number);
+  }
+
+ private:
+  PlaceGrid<Model> places_;
   bool transmits_;
 };
 
@@ -200,6 +201,10 @@ std::unique_ptr<SurfaceScatter> walked_surface(StackOfPlaces stack, const WalkLi
 
 std::unique_ptr<SurfaceScatter> closed_surface(const Model& model, bool transmits) {
   return std::make_unique<ClosedSurface>(model, transmits);
+}
+
+std::unique_ptr<SurfaceScatter> closed_surface(ModelOfPlaces model, bool transmits) {
+  return std::make_unique<MappedClosedSurface>(std::move(model), transmits);
 }
 
 std::unique_ptr<SurfaceScatter> tabulated_surface(

@@ -46,9 +46,7 @@ class SurfaceScatter {
 };
 
 /// The truth, by one walk per call (volume/run/viewed_walk.h). A stack with maps has the stack of
-/// the nearest of at most kMostPlaces^2 places, as many along u and v as the finest map has texels;
-/// each is made when it is met first. Throws UsageError for stacks that cannot be walked so.
-inline constexpr int kMostPlaces = 256;
+/// the nearest of the places of a PlaceGrid. Throws UsageError for stacks that cannot be walked so.
 struct StackOfPlaces {
   int columns = 1, rows = 1;                      ///< texels of the finest map along u and v
   std::function<Stack(double u, double v)> at{};  ///< in [0, 1]
@@ -58,6 +56,13 @@ struct StackOfPlaces {
 
 /// A closed form. `model` must outlive the surface.
 [[nodiscard]] std::unique_ptr<SurfaceScatter> closed_surface(const Model& model, bool transmits);
+
+/// A closed form whose parameters vary over the surface: that of the nearest place, as above.
+struct ModelOfPlaces {
+  int columns = 1, rows = 1;
+  std::function<std::unique_ptr<Model>(double u, double v)> at{};  ///< in [0, 1]; any thread
+};
+[[nodiscard]] std::unique_ptr<SurfaceScatter> closed_surface(ModelOfPlaces model, bool transmits);
 
 /// f by any function of w_o and then w_i, in reflection, with a mirrored share or none. Samples by
 /// the cosine.

@@ -124,6 +124,7 @@ Json models_json(const std::vector<JudgedModel>& models) {
     for (const LobeComparison& l : m.lobes) lobes.push_back(to_json(l));
     for (const auto& [key, value] : m.bound->parameters.all()) parameters[key] = to_json(value);
     list.push_back({{"name", m.bound->info->name},
+                    {"label", m.label},
                     {"parameters", std::move(parameters)},
                     {"parameter_sources", m.bound->sources},
                     {"ns_per_eval", m.nanoseconds > 0 ? Json(m.nanoseconds) : Json()},
@@ -182,8 +183,8 @@ int write_comparison_files(const std::string& folder, const TruthRequest& reques
     if (!m.bound->object.empty())
       image.attributes["lamella.model_file"] = relative_to(m.bound->object, folder).string();
     write(m.name, std::move(image));
-    pictures += write_comparison_pictures(folder, m.name, request.stack.name, comparison.runs,
-                                          m.lobes, formats);
+    pictures += write_comparison_pictures(folder, m.name, m.label, request.stack.name,
+                                          comparison.runs, m.lobes, formats);
   }
   write("truth", simulation_image(named, comparison.runs));
   return pictures;

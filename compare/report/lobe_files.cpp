@@ -175,7 +175,8 @@ TruthRequest named_for_image(TruthRequest request, const std::filesystem::path& 
 }
 
 int write_comparison_pictures(const std::string& folder, const std::string& model,
-                              const std::string& stack, const std::vector<RunResult>& runs,
+                              const std::string& label, const std::string& stack,
+                              const std::vector<RunResult>& runs,
                               const std::vector<LobeComparison>& lobes,
                               const std::vector<PictureFormat>& formats) {
   int count = 0;
@@ -207,7 +208,7 @@ int write_comparison_pictures(const std::string& folder, const std::string& mode
     }
     if (energy == 0) continue;
     const std::string lobe = to_text(l.order) == "all" ? "all orders" : "order " + to_text(l.order);
-    picture.title = fmt::format("{} against simulation of {}", model, stack);
+    picture.title = fmt::format("{} against simulation of {}", label, stack);
     picture.subtitle = fmt::format(
         "\u03b8_i = {:.4g}\u00b0, \u03c6_i = {:.4g}\u00b0, {}, {}{}: {}", theta_degrees(l.wi),
         phi_degrees(l.wi), l.reflected ? "reflected" : "transmitted", lobe,

@@ -39,9 +39,10 @@ void record_files(ExrImage& image, const InputFiles& inputs, const std::filesyst
                                            const std::filesystem::path& folder);
 
 /// Draws each comparison whose truth or model has energy, a file per format; returns how many were
-/// drawn.
+/// drawn. `model`: in the names of files; `label`: in titles.
 int write_comparison_pictures(const std::string& folder, const std::string& model,
-                              const std::string& stack, const std::vector<RunResult>& runs,
+                              const std::string& label, const std::string& stack,
+                              const std::vector<RunResult>& runs,
                               const std::vector<LobeComparison>& lobes,
                               const std::vector<PictureFormat>& formats);
 

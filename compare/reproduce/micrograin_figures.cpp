@@ -22,7 +22,7 @@ std::vector<Reproduction> micrograin_figures() {
       {"micrograin_figure_12",
        "spheres with metallic grains over a diffuse bulk beside d'Eon's mixture and GGX alone",
        source("figure 12"), 1, false, reproduce_micrograin_figure_12},
-      {"micrograin_figure_13", "three kinds of grains over diffuse, plastic and metal",
+      {"micrograin_figure_13", "three kinds of grains over diffuse, plastic, metal and glass",
        source("figure 13"), 1, false, reproduce_micrograin_figure_13},
       {"micrograin_figure_14",
        "textures of the filling factor at several scales: filtered parameters against filtered "

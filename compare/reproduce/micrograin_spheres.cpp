@@ -98,7 +98,9 @@ Json reproduce_micrograin_figure_13(ReproductionContext& context) {
   const std::vector<std::pair<const char*, std::string>> bulks{
       {"diffuse", "bulk=lambert,bulk_albedo=0.1,0.3,0.5"},
       {"plastic", "bulk=openpbr_diffuse,bulk_base_color=0.1,0.3,0.5,bulk_specular_roughness=0.15"},
-      {"metal", "bulk=microfacet,bulk_material=conductor,bulk_roughness=0.2"}};
+      {"metal", "bulk=microfacet,bulk_material=conductor,bulk_roughness=0.2"},
+      // What glass lets pass is no part of the closed form.
+      {"glass", "bulk=microfacet,bulk_material=dielectric,bulk_ior=1.5,bulk_roughness=0.1"}};
   constexpr double kTau0 = 0.5;  // the paper's
   NumberRows rows(context, {{"grains", "", "", 21},
                             {"bulk", "", "", 8},

@@ -163,6 +163,34 @@ std::vector<std::string> distinct_names(const std::vector<BoundModel>& models) {
   return names;
 }
 
+std::vector<std::string> distinct_labels(const std::vector<BoundModel>& models) {
+  std::vector<std::string> labels;
+  for (const BoundModel& m : models) {
+    std::string label = m.info->name;
+    for (const auto& [key, value] : m.parameters.all()) {
+      bool given = false, differs = false;
+      for (const BoundModel& other : models) {
+        if (other.info != m.info) continue;
+        const auto source = other.sources.find(key);
+        given = given || (source != other.sources.end() && source->second == "given");
+        differs = differs || !other.parameters.has(key) ||
+                  request_value(other.parameters.at(key)) != request_value(value);
+      }
+      if (given && differs) label += fmt::format(", {}={}", key, request_value(value));
+    }
+    labels.push_back(std::move(label));
+  }
+  // Of equal labels every one gets a number.
+  std::vector<std::string> distinct;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const auto same = std::count(labels.begin(), labels.end(), labels[k]);
+    const auto before =
+        std::count(labels.begin(), labels.begin() + static_cast<std::ptrdiff_t>(k), labels[k]);
+    distinct.push_back(same > 1 ? fmt::format("{}, {}", labels[k], before + 1) : labels[k]);
+  }
+  return distinct;
+}
+
 std::string to_request(const BoundModel& model) {
   std::string text = model.info->name;
   for (const auto& [key, value] : model.parameters.all())

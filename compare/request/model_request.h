@@ -78,6 +78,10 @@ void check_request(const ModelRequest& request);
 /// The models' names; where one is there several times, with a number each: for files and columns.
 [[nodiscard]] std::vector<std::string> distinct_names(const std::vector<BoundModel>& models);
 
+/// What people read in the place of distinct_names: where a name is there several times, with the
+/// keys that were given and differ, "coated, layering=wolff"; where none does, with a number each.
+[[nodiscard]] std::vector<std::string> distinct_labels(const std::vector<BoundModel>& models);
+
 /// The model as --model takes it: NAME,key=value,...
 [[nodiscard]] std::string to_request(const BoundModel& model);
 

@@ -35,6 +35,7 @@ CERTAIN = {
     "micrograin_figure_11": [("equal at theta_i", True)],
     "micrograin_figure_14": [("share of the area", True)],
     "spongecake_figure_15": [("black spots", True)],
+    "spongecake_figure_18": [("much darker in transmission", True)],
 }
 
 

@@ -193,12 +193,30 @@ class HeightField(ProgramTest):
         self.assertEqual(self.json_of("explain", "again.toml", "--quiet")["stack"]["layer"],
                          self.json_of("explain", "heights.toml", "--quiet")["stack"]["layer"])
 
+    def test_smiths_surface_is_measured_beside_it(self):
+        rows = {row["order"]: row for row in self.json_of("measure", "heights.toml", "--walks", "40000", "--wi", "60",
+                                                          "--grid", "4x8", "--quiet")["smith"]}
+        # White mirrors keep the light, on either surface; 0.869 is the closed form's first order.
+        for name in ("height_field", "smith"):
+            self.assertAlmostEqual(rows["all"]["energy_" + name], 1, delta=1e-3)
+        self.assertAlmostEqual(rows["1"]["energy_smith"], 0.869, delta=4.5 * rows["1"]["energy_smith_error"] + 1e-3)
+        # The surfaces are near each other, and not the same.
+        self.assertLess(rows["1"]["relative_rmse"], 0.15)
+        flat = (self.folder / "heights.toml").read_text().replace("roughness = 0.5", "roughness = 0.05")
+        self.write("flat.toml", flat)
+        row = self.json_of("measure", "flat.toml", "--walks", "40000", "--wi", "20", "--grid", "4x8", "--quiet")["smith"][0]
+        # Facets that hide nothing are the same on both.
+        self.assertLess(row["relative_rmse"], max(0.02, row["relative_noise"]))
+
     def test_what_it_has_not_is_refused(self):
         heights = (self.folder / "heights.toml").read_text()
         self.write("over.toml", heights + "[substrate]\nalbedo = 0.5\n")
         self.assertIn("height_field, which no light passes",
                       self.lamella("simulate", "over.toml", status=2).err)
-        self.assertIn("allowed: sphere_bed", self.lamella("measure", "heights.toml", status=2).err)
+        self.assertIn("allowed: sphere_bed",
+                      self.lamella("measure", "heights.toml", "--medium", "sggx", status=2).err)
+        self.write("diffuse.toml", heights.replace("mirror", "lambert"))
+        self.assertIn('surface = "mirror"', self.lamella("measure", "diffuse.toml", status=2).err)
         self.write("small.toml", heights.replace("tile = 16", "tile = 2"))
         self.assertIn('key "tile": found 2; allowed: a number in [8, ',
                       self.lamella("simulate", "small.toml", status=2).err)

@@ -110,6 +110,28 @@ class AStackAtAPlaceIsAPlainStack(MapsTest):
                                plain["absorbed"][0] if isinstance(plain["absorbed"], list) else
                                plain["absorbed"]["value"][0], places=6)
 
+    def test_for_eval_export_and_fit(self):
+        self.grey_exr("map.exr", [[0.2, 0.4]])
+        text = '[[layer]]\nmedium = "sggx"\nthickness = 1\nroughness = 0.5\nalbedo = {}\n'
+        self.write("mapped.toml", text.format('"map.exr"'))
+        # As the picture holds it, in single precision.
+        self.write("plain.toml", text.format("0.20000000298023224"))
+        self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.8,90\n")
+        for model in (["truth", "walks=2000", "estimator=next-event"], ["single_scattering"], ["spongecake"]):
+            found = [self.lamella("eval", model[0], f"stack=./{name}.toml", *model[1:], *at, "--pairs", "pairs.csv").out
+                     for name, at in (("mapped", ["--at", "0.25,0.5"]), ("plain", []))]
+            self.assertEqual(*found)
+        for name, at in (("mapped", ["--at", "0.25,0.5"]), ("plain", [])):
+            self.lamella("export", f"./{name}.toml", *at, "--to", "npz", "--wi", "30", "--walks", "2000", "--quiet", "-o",
+                         name + ".npz")
+            self.lamella("export", f"single_scattering,stack=./{name}.toml", *at, "--to", "csv", "--wi", "30", "--quiet",
+                         "-o", name + ".csv")
+        self.assertEqual((self.folder / "mapped.csv").read_text().replace("mapped@0.25,0.5", "plain"),
+                         (self.folder / "plain.csv").read_text())
+        fits = [self.json_of("fit", f"./{name}.toml", *at, "--model", "lambert", "--wi", "30", "--tolerance", "1e-3",
+                             "--quiet")["models"] for name, at in (("mapped", ["--at", "0.25,0.5"]), ("plain", []))]
+        self.assertEqual(*[fit[0]["parameters"] for fit in fits])
+
     def test_so_the_content_of_a_picture_identifies_a_run(self):
         self.write("a.toml", SLAB + 'albedo = "map.exr"\nroughness = 0.5\n')
         run = ["simulate", "a.toml", "--at", "0.5,0.5", "--wi", "30", "--walks", "2000", "--quiet"]
@@ -213,6 +235,12 @@ class WhatIsWrongWithAMapIsTold(MapsTest):
         self.write("pairs.csv", "mu_i,phi_i,mu_o,phi_o\n0.5,0,0.8,90\n")
         error = self.lamella("eval", "truth", "stack=./a.toml", "--pairs", "pairs.csv", status=2).err
         self.assertIn("--at U,V", error)
+        self.assertIn("mean", self.lamella("eval", "truth", "stack=./a.toml", "--at", "mean", "--pairs", "pairs.csv",
+                                           status=2).err)
+        self.assertIn("no stack", self.lamella("eval", "lambert", "--at", "0,0", "--pairs", "pairs.csv", status=2).err)
+        self.assertIn("no stack", self.lamella("export", "lambert", "--at", "0,0", "--to", "csv", "-o", "x.csv",
+                                               status=2).err)
+        self.assertIn("no stack", self.lamella("fit", "lambert", "--at", "0,0", "--model", "eon", status=2).err)
         self.assertIn("--at", self.lamella("export", "./a.toml", "--to", "csv", "-o", "x.csv", status=2).err)
         for place, part in (("2,0", "from 0 to 1"), ("x", "from 0 to 1"), ("0.5", "from 0 to 1"), ("mean", "from 0 to 1")):
             self.assertIn(part, self.refusal(text, "--at", place))

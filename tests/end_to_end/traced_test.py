@@ -92,15 +92,52 @@ class PathsOnAnObject(ProgramTest):
             noise = (4 * sky[name]["standard_error"] ** 2 + two[name]["standard_error"] ** 2) ** 0.5
             self.assertAlmostEqual(2 * sky[name]["mean_luminance"], two[name]["mean_luminance"], delta=4.5 * noise)
 
+    def test_see_the_lamp_alone_without_an_environment(self):
+        pictures = self.traced("sggx_slab", "--shape", "sphere", "--size", "16", "--samples", "4", "--light", "none",
+                               "--environment", "none", "--model", "lambert")
+        self.assertEqual([p["mean_luminance"] for p in pictures.values()], [0, 0])
+        lit = self.traced("sggx_slab", "--shape", "sphere", "--size", "96", "--samples", "16", "--light", "0",
+                          "--environment", "none", "--model", "lambert,albedo=1")["lambert"]
+        # A white sphere that faces the lamp: the mean cosine over its disc is 2/3.
+        self.assertAlmostEqual(lit["mean_luminance"], 2 / 3, delta=0.02)
+
     def test_take_maps(self):
         (self.folder / "map.exr").write_bytes(exr_bytes(Part({"Y": [[0.2, 0.8]] * 2})))
         self.write("a.toml", '[substrate]\nbsdf = "lambert"\nalbedo = { map = "map.exr", filter = "nearest" }\n')
-        pictures = self.traced("a.toml", "--shape", "sphere", "--size", "24", "--samples", "16", "--light", "none")
+        pictures = self.traced("a.toml", "--shape", "sphere", "--size", "24", "--samples", "64", "--light", "none",
+                               "--model", "single_scattering")
         # Both halves of the sphere face the viewer in equal parts.
         self.assertAlmostEqual(pictures["truth"]["mean_luminance"], 0.5, delta=0.02)
-        self.assertEqual(list(pictures), ["truth"])
-        self.assertIn("--model", self.lamella("preview", "a.toml", "--shape", "sphere", "--model", "lambert",
-                                              status=2).err)
+        # Single scattering of the texel's own ground is all there is.
+        closed = pictures["single_scattering"]
+        noise = (pictures["truth"]["standard_error"] ** 2 + closed["standard_error"] ** 2) ** 0.5
+        self.assertAlmostEqual(closed["mean_luminance"], pictures["truth"]["mean_luminance"], delta=4.5 * noise)
+        self.assertLess(closed["bias"], 4.5 * closed["bias_error"])
+        self.assertIn("--table", self.lamella("preview", "a.toml", "--shape", "sphere", "--table", status=2).err)
+
+    def test_give_closed_forms_the_parameters_of_the_place(self):
+        (self.folder / "map.exr").write_bytes(exr_bytes(Part({"Y": [[0.3, 0.9]] * 2})))
+        self.write("a.toml", '[[layer]]\nmedium = "lambert_sphere"\nthickness = inf\n'
+                             'albedo = { map = "map.exr", filter = "nearest" }\n')
+        pictures = self.traced("a.toml", "--shape", "sphere", "--size", "24", "--samples", "256", "--model",
+                               "lambert_sphere_three_term", "--model", "lambert_sphere_three_term,albedo=0.6")
+        own, same = pictures["lambert_sphere_three_term_0"], pictures["lambert_sphere_three_term_1"]
+        # The three-term form is within 0.2 % of the truth; one albedo everywhere is far off.
+        self.assertLess(own["bias"], 1e-4 + 4.5 * own["bias_error"])
+        self.assertGreater(same["bias"], 0.05)
+        self.assertEqual(pictures["truth"]["flip"], 0)
+        self.assertLess(own["flip"], 0.5 * same["flip"])
+        self.assertEqual(same["label"], "lambert_sphere_three_term, albedo=0.6")
+
+    def test_give_spongecake_the_networks_lobes_of_the_place(self):
+        (self.folder / "map.exr").write_bytes(exr_bytes(Part({"Y": [[0.3, 0.9]] * 2})))
+        self.write("a.toml", '[[layer]]\nmedium = "sggx"\nroughness = 0.8\nthickness = 3\n'
+                             'albedo = { map = "map.exr", filter = "nearest" }\n')
+        pictures = self.traced("a.toml", "--shape", "sphere", "--size", "16", "--samples", "256", "--model",
+                               "spongecake", "--model", "spongecake,lobes=none")
+        network, none = pictures["spongecake_0"], pictures["spongecake_1"]
+        self.assertEqual(none["label"], "spongecake, lobes=none")
+        self.assertLess(network["bias"], 0.1 * none["bias"])
 
     def test_compare_speed_with_error(self):
         pictures = self.traced("lambert_sphere_halfspace", "--shape", "sphere", "--size", "16", "--equal-time", "0.4",

@@ -21,6 +21,19 @@ TEST(ModelRequest, IsTheSameAsOneTextAndAsWords) {
   }
 }
 
+TEST(ModelRequest, IsToldApartByWhatWasGivenAndDiffers) {
+  std::vector<BoundModel> models;
+  for (const char* text : {"eon,roughness=0.5,albedo=0.5", "lambert", "eon,albedo=0.5", "lambert",
+                           "hapke_lambert_sphere"})
+    models.push_back(bind_model(parse_model_request(text), nullptr));
+  const auto roughness = [&](std::size_t k) {
+    return "eon, roughness=" + request_value(models[k].parameters.at("roughness"));
+  };
+  if (roughness(0) == roughness(2)) models[2].parameters.set("roughness", 0.25);
+  EXPECT_THAT(distinct_labels(models), ElementsAre(roughness(0), "lambert, 1", roughness(2),
+                                                   "lambert, 2", "hapke_lambert_sphere"));
+}
+
 TEST(ModelRequest, KeepsFurtherEqualSignsInTheValue) {
   EXPECT_THAT(parse_model_words({"eon", "a=b=c"}).values, ElementsAre(Pair("a", "b=c")));
 }

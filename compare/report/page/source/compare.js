@@ -381,8 +381,7 @@ function sideBySide(rows, channels) {
       percent(r.relative_rmse_of_model), percent(r.relative_rmse_of_both)].map((t) => element("td", {}, t)))))))];
 }
 
-// Two requests of one model get a number each, as their files do.
+// Two requests of one model are told apart by what differs.
 function nameOf(models, k) {
-  const same = models.filter((m) => m.name === models[k].name);
-  return same.length === 1 ? models[k].name : `${models[k].name}_${same.indexOf(models[k])}`;
+  return models[k].label ?? models[k].name;
 }
