@@ -96,7 +96,7 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
                 self.assertTrue((self.folder / f"out/preview_{view['scene']}_{view['light']}.{end}").exists())
         self.assertEqual(self.json_of("compare", "lambert_sphere_halfspace", "--wi", "60", "--walks", "3000",
                                       "--quiet", "--model", "lambert_sphere", "-o", "none").get("previews"), None)
-        self.assertIn("compare --preview", self.lamella("compare", "spongecake_window_shade", "--preview",
+        self.assertIn("compare --preview", self.lamella("compare", "sphere_bed_dense", "--preview",
                                                         status=2).err)
 
     def test_coats_are_drawn_with_their_mirror_images(self):
@@ -155,7 +155,8 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
 
     def test_what_cannot_be_drawn_is_refused(self):
         self.write("unequal.toml", SMOOTH + '[substrate]\nbsdf = "openpbr_diffuse"\n')
-        for arguments, part in ((["spongecake_window_shade"], "symmetric"),
+        self.write("leaning.toml", '[[layer]]\nmedium = "vmf_flake"\naxis = [1, 0, 1]\nroughness = 0.5\n')
+        for arguments, part in ((["./leaning.toml"], "flakes that lean"),
                                 (["sphere_bed_dense"], "explicit geometry"),
                                 (["./unequal.toml"], "not reciprocal"),
                                 (["sggx_slab", "--light", "200"], "--light"),
