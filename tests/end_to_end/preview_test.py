@@ -155,7 +155,8 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
 
     def test_what_cannot_be_drawn_is_refused(self):
         self.write("unequal.toml", SMOOTH + '[substrate]\nbsdf = "openpbr_diffuse"\n')
-        self.write("leaning.toml", '[[layer]]\nmedium = "vmf_flake"\naxis = [1, 0, 1]\nroughness = 0.5\n')
+        self.write("leaning.toml", '[[layer]]\nmedium = "vmf_flake"\naxis = [1, 0, 1]\nroughness = 0.5\n'
+                   "thickness = 1\n")
         for arguments, part in ((["./leaning.toml"], "flakes that lean"),
                                 (["sphere_bed_dense"], "explicit geometry"),
                                 (["./unequal.toml"], "not reciprocal"),
