@@ -79,6 +79,14 @@ bool PileModes::prepare_more(std::size_t max_bytes) {
   return true;
 }
 
+void PileModes::forget_kernels() {
+  ready_ = 0;
+  for (Kind& kind : kinds_) kind.scattering.reset();
+  for (Element& e : elements_) e.rough.reset();
+  ground_.reset();
+  crossing_.reset();
+}
+
 void PileModes::make_kernels(int modes) {
   ready_ = modes;
   for (Kind& kind : kinds_) {

@@ -37,6 +37,8 @@ class PileModes : public StackSolver {
   [[nodiscard]] AskedMode asked_mode(int m) const override;
   /// One mode between all directions, nodes and those that were asked for.
   [[nodiscard]] PileOperator operator_at(int m) const { return pile(m); }
+  /// Gives the memory of the kernels back; the sets of directions stay. `prepare` makes them again.
+  void forget_kernels();
 
  private:
   // A medium at one albedo in one index of refraction.

@@ -25,9 +25,11 @@ void add_to(MatrixXd& sum, const MatrixXd& term) {
 // The part of a series that an order's step takes; empty: nothing.
 template <class T, std::size_t kSize>
 T taken_by(const std::array<T, kSize>& series, OrderStep step) {
-  if (step.kind == OrderStep::Kind::any) return series[0];
+  // Light that meets boundaries alone is kept once.
+  if (step.kind == OrderStep::Kind::any) return series[series[0].size() > 0 ? 0 : kOrderZero];
   if (step.kind == OrderStep::Kind::by) return series[step.raise == 0 ? kOrderZero : step.raise];
   T rest = series[0];
+  if (rest.size() == 0) return rest;
   for (int raise = 0; raise <= step.raise; ++raise) {
     const T& low = series[raise == 0 ? kOrderZero : raise];
     if (low.size() > 0) rest -= low;
@@ -70,11 +72,16 @@ PileOperator nothing(const DirectionSets& sets, int mode) {
   return pile;
 }
 
-void drop_zeros(PileOperator& pile) {
+// Matrices that hold nothing, and the sum over all orders where it is order 0.
+void drop_what_is_known(PileOperator& pile) {
   for (PileSide* side : {&pile.above, &pile.below})
-    for (PileSeries* series : {&side->r, &side->t})
+    for (PileSeries* series : {&side->r, &side->t}) {
       for (MatrixXd& m : *series)
         if (m.size() > 0 && m.isZero(0)) m.resize(0, 0);
+      MatrixXd& all = (*series)[0];
+      const MatrixXd& zero = (*series)[kOrderZero];
+      if (all.size() > 0 && all.size() == zero.size() && all == zero) all.resize(0, 0);
+    }
 }
 
 VectorXd rows_of(const DirectionSets& from, const DirectionSets& to, const VectorXd& share) {
@@ -126,8 +133,9 @@ BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
       solver.prepare(modes);
       tbb::parallel_for(0, modes, [&](int m) {
         pile[m] = solver.operator_at(m);
-        drop_zeros(pile[m]);
+        drop_what_is_known(pile[m]);
       });
+      solver.forget_kernels();
     }
   }
 }
