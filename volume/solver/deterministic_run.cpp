@@ -19,6 +19,9 @@ namespace {
 
 // Errors of the nodes above it, as a share of f, say that they know no digit.
 constexpr double kNoDigit = 0.1;
+// How often the error of f at the probes an energy on the nodes may be off by, before cells are
+// held against it: facets of alpha 1 have twice that error.
+constexpr double kNodesReach = 4;
 constexpr double kRounding = 1e-11;
 
 // Whether there are mirror flakes, whose phase functions jump straight on.
@@ -154,7 +157,8 @@ struct Assembly {
     const DeterministicAccuracy& accuracy = solution.accuracy();
     const double error = accuracy.node_error + accuracy.second_error;
     // Nodes of which no digit is known cover nothing.
-    const double covered = kRounding + (error < kNoDigit ? error * std::abs(on_nodes) : 0);
+    const double covered =
+        kRounding + (error < kNoDigit ? kNodesReach * error * std::abs(on_nodes) : 0);
     const std::size_t cells = grid.cells();
     double sum = 0, bound = 0;
     for (std::size_t k = c * cells; k < (c + 1) * cells; ++k) {
