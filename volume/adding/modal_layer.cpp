@@ -125,7 +125,7 @@ std::optional<std::array<Series, 2>> ModalLayer::series(const LayerScattering& s
   const MatrixXd on_out = kernel[kAboveToDown].bottomLeftCorner(rows, kernel[0].cols()).leftCols(n);
   const MatrixXd back_out = kernel[kAboveToUp].bottomLeftCorner(rows, kernel[0].cols()).leftCols(n);
   std::array<Series, 2> result;
-  auto& [r, t] = result;
+  Series &r = result[0], &t = result[1];
   const auto put = [&](int order, Lobes&& f) {
     r[order] = std::move(f.r);
     t[order] = std::move(f.t);
