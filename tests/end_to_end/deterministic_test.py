@@ -81,6 +81,17 @@ class SolverAndWalk(ProgramTest):
         self.assertEqual((self.folder / "1.exr").read_bytes(), (self.folder / "3.exr").read_bytes())
 
 
+class FacetsOfLargeRoughness(ProgramTest):
+    def test_cells_are_not_held_against_more_than_the_nodes_know(self):
+        self.write("coat.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\nroughness = 1\n'
+                                '[substrate]\nbsdf = "lambert"\nalbedo = 0.8\n')
+        coarse, fine = (self.json_of("simulate", "coat.toml", "--wi", "30", *SOLVER, "--tolerance",
+                                     tolerance, "--quiet")["runs"][0] for tolerance in ("1e-4", "1e-8"))
+        self.assertLessEqual(coarse["accuracy"]["error"], 1e-4)
+        self.assertLess(abs(coarse["reflected"]["total"][0] - fine["reflected"]["total"][0]),
+                        coarse["reflected"]["standard_error"][0])
+
+
 class WhereTheSolverDoesNotApply(ProgramTest):
     def test_it_is_refused_with_status_2_and_the_reason(self):
         self.write("tilted.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\n'

@@ -41,23 +41,6 @@ bool keeps_order(OrderStep step) {
   return step.kind == OrderStep::Kind::any || (step.kind == OrderStep::Kind::by && step.raise == 0);
 }
 
-// Layers and boundaries of [begin, end), with the indices that they have in the stack.
-std::vector<StackElement> elements_between(const Stack& stack, std::size_t begin, std::size_t end) {
-  std::vector<StackElement> elements;
-  double index = stack.index_of(begin);
-  for (std::size_t k = begin; k < end; ++k) {
-    const Layer& layer = stack.layers[k];
-    if (layer.interface) {
-      if (layer.interface->ior != index)
-        elements.push_back({nullptr, &*layer.interface, index, layer.interface->ior});
-      index = layer.interface->ior;
-    } else if (layer.depth() > 0) {
-      elements.push_back({&layer, nullptr, index, index});
-    }
-  }
-  return elements;
-}
-
 // All light goes through, and stays what it is.
 PileOperator nothing(const DirectionSets& sets, int mode) {
   PileOperator pile{&sets, &sets, {}, {}, true};

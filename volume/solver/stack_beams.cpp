@@ -8,9 +8,14 @@
 namespace lamella {
 
 std::vector<StackElement> elements_of(const Stack& stack) {
+  return elements_between(stack, 0, stack.layers.size());
+}
+
+std::vector<StackElement> elements_between(const Stack& stack, std::size_t begin, std::size_t end) {
   std::vector<StackElement> elements;
-  double index = 1;
-  for (const Layer& layer : stack.layers) {
+  double index = stack.index_of(begin);
+  for (std::size_t k = begin; k < end; ++k) {
+    const Layer& layer = stack.layers[k];
     if (layer.interface) {
       if (layer.interface->ior != index)
         elements.push_back({nullptr, &*layer.interface, index, layer.interface->ior});

@@ -21,6 +21,9 @@ struct StackElement {
 
 /// Layers of some depth, and interfaces that change the index.
 [[nodiscard]] std::vector<StackElement> elements_of(const Stack& stack);
+/// Those among the entries [begin, end) of its layers.
+[[nodiscard]] std::vector<StackElement> elements_between(const Stack& stack, std::size_t begin,
+                                                         std::size_t end);
 
 /// A beam and all its reflections at smooth boundaries: shares of the power that arrives, at the
 /// places between elements: before the first, ... after the last. Beams end at rough boundaries.
