@@ -30,6 +30,7 @@
 #include "compare/truth/ground_truth.h"
 #include "compare/truth/point_truth.h"
 #include "phase/stack/builtin_stacks.h"
+#include "phase/stack/stack_file.h"
 #include "volume/mesh/triangle_mesh.h"
 #include "volume/result/number_bytes.h"
 #include "volume/result/run_bytes.h"
@@ -94,6 +95,16 @@ Simulation& small_walks() {
                                {.mu_cells = 1, .phi_cells = 2}, 1);
   if (simulation.walks() == 0) simulation.advance(kBatches);
   return simulation;
+}
+
+// What was accepted must read back the same.
+bool read_stack(const std::string& bytes) {
+  std::string toml;
+  if (!taken<StackFileError>([&] { toml = to_toml(parse_stack(bytes, "fuzz.toml", "fuzz")); }))
+    return false;
+  if (to_toml(parse_stack(toml, "again.toml", "fuzz")) != toml)
+    throw std::logic_error("reads back differently:\n" + toml);
+  return true;
 }
 
 bool read_csv(const std::string& bytes) {
@@ -262,6 +273,12 @@ bool read_model(const std::string& bytes) {
   return taken<UsageError>([&] { check_request(parse_model_request(bytes)); });
 }
 
+std::vector<std::string> stack_seeds() {
+  std::vector<std::string> seeds;
+  for (const BuiltinStack& stack : builtin_stacks()) seeds.push_back(stack.toml);
+  return seeds;
+}
+
 LobeSet small_lobes() {
   std::vector<RunResult> runs{reduce(small_walks())};
   LobeSet set = take_lobes(runs);
@@ -364,6 +381,7 @@ std::vector<std::string> model_seeds() {
 
 const std::vector<InputReader>& input_readers() {
   static const std::vector<InputReader> list{
+      {"stack", read_stack, stack_seeds, 5000},
       {"csv", read_csv, csv_seeds, 2000},
       {"exr", read_exr_file, exr_seeds, 100},
       {"png", read_png_bytes, png_seeds, 1000},
