@@ -17,8 +17,8 @@ struct InputReader {
   int changes;  ///< changed inputs in the ordinary tests: more of quick readers
 };
 
-/// Stacks, pairs of directions, EXR, PNG, JPEG, OBJ, VDB, part files and checkpoints, batches of walks,
-/// solved runs, values at pairs, tensor files, MERL, NumPy archives, the index of a library,
+/// Stacks, pairs of directions, EXR, PNG, JPEG, OBJ, VDB, part files and checkpoints, batches of
+/// walks, solved runs, values at pairs, tensor files, MERL, NumPy archives, the index of a library,
 /// settings, models. Where a checksum guards the content the reader also gets it with a right one.
 [[nodiscard]] const std::vector<InputReader>& input_readers();
 

@@ -4,18 +4,19 @@
 #include <cmath>
 
 #include "phase/math/direction.h"
-#include "phase/math/real.h"
-#include "volume/quadrature/quadrature.h"
 
 namespace lamella {
 namespace {
 
-// Sum of half axes of the ellipse with foci -1 and 1 through a point, from half its long axis.
-constexpr double kFarEnough = 5.0 / 3;  // (3 + 1 / 3) / 2
+// The ellipse with foci -1 and 1 whose half axes sum to 3.4.
+constexpr double kSumOfAxes = 3.4;
+constexpr double kLongAxis = (kSumOfAxes + 1 / kSumOfAxes) / 2;
+constexpr double kShortAxis = (kSumOfAxes - 1 / kSumOfAxes) / 2;
+constexpr int kFirstPanels = 4;
 
 bool is_far(double x, double y) {
-  const double y2 = y * y;
-  return std::sqrt((x - 1) * (x - 1) + y2) + std::sqrt((x + 1) * (x + 1) + y2) >= 2 * kFarEnough;
+  const double along = x * (1 / kLongAxis), across = y * (1 / kShortAxis);
+  return along * along + across * across >= 1;
 }
 
 // Without what the standard's complex numbers do about infinity.
@@ -75,60 +76,85 @@ void add_zeros(double a, double b, double c, double d, double e, std::vector<Cir
     zeros.push_back({std::atan2(zero.im, zero.re), -std::log(zero.norm()) / 2});
 }
 
-CirclePoints::CirclePoints(int points_per_part, int together)
-    : points_(points_per_part), together_(together) {
-  const Quadrature& rule = cached_gauss_legendre(points_);
-  for (int h = 0; h <= kHalvings; ++h) {
-    const double half = std::ldexp(kPi / kFirstParts, -h);
-    for (int j = 0; j < points_; ++j) {
-      const double x = half * (2 * rule.points[j] - 1);
-      cosines_.push_back(std::cos(x));
-      sines_.push_back(std::sin(x));
-      weights_.push_back(2 * half * rule.weights[j]);
-    }
-  }
-}
-
-void CirclePoints::place(const std::vector<CircleZero>& zeros, double longest) {
+void CirclePanels::clear() {
   cosine_.clear();
   sine_.clear();
-  weight_.clear();
-  // Parts begin at the singularity that is nearest to the real line.
+  half_.clear();
+}
+
+void CirclePanels::place(const std::vector<CircleZero>& zeros, double longest) {
+  clear();
+  // Panels begin at the singularity that is nearest to the real line.
   double begin = 0, nearest = 1e300;
   for (const CircleZero& zero : zeros)
     if (zero.distance < nearest) {
       nearest = zero.distance;
       begin = zero.phi;
     }
-  for (int k = 0; k < kFirstParts; ++k)
-    add(begin + (2 * k + 1) * kPi / kFirstParts, 0, zeros, longest);
-  while (weight_.size() % together_ != 0) {
-    cosine_.push_back(cosine_.back());
-    sine_.push_back(sine_.back());
-    weight_.push_back(0);
+  add_range(begin, begin + 2 * kPi, nullptr, zeros, longest);
+}
+
+void CirclePanels::place_arc(double begin, double end, double near,
+                             const std::vector<CircleZero>& zeros, double longest) {
+  clear();
+  // Panels meet at the singularity that is nearest to the real line, where one lies in the arc.
+  double cut = (begin + end) / 2, nearest = 1;
+  for (const CircleZero& zero : zeros) {
+    const double phi = begin + std::remainder(zero.phi - begin - kPi, 2 * kPi) + kPi;
+    if (zero.distance < nearest && phi > begin && phi < end) {
+      nearest = zero.distance;
+      cut = phi;
+    }
+  }
+  const Arc arc{begin, end, near};
+  add_range(begin, cut, &arc, zeros, longest);
+  add_range(cut, end, &arc, zeros, longest);
+}
+
+void CirclePanels::add_range(double from, double to, const Arc* arc,
+                             const std::vector<CircleZero>& zeros, double longest) {
+  const int first =
+      std::max(1, static_cast<int>(std::ceil((to - from) / (2 * kPi / kFirstPanels) - 1e-9)));
+  const double half = (to - from) / (2 * first);
+  halvings_[0] = {half, std::cos(half), std::sin(half)};
+  known_ = 1;
+  for (int k = 0; k < first; ++k) {
+    const double middle = from + (2 * k + 1) * half;
+    add({middle, std::cos(middle), std::sin(middle)}, 0, arc, zeros, longest);
   }
 }
 
-void CirclePoints::add(double middle, int halvings, const std::vector<CircleZero>& zeros,
-                       double longest) {
-  const double half = std::ldexp(kPi / kFirstParts, -halvings);
+void CirclePanels::add(const Panel& panel, std::size_t halvings, const Arc* arc,
+                       const std::vector<CircleZero>& zeros, double longest) {
+  const double half = halvings_[halvings].length;
   bool is_fine = 2 * half <= longest;
+  // Points on a panel as long as its distance from the end, and twice that, leave 1e-8 of
+  // exp(-depth / mu).
+  if (arc && is_fine)
+    is_fine =
+        half <= arc->near + std::min(panel.middle - arc->begin, arc->end - panel.middle) - half;
   for (std::size_t k = 0; is_fine && k < zeros.size(); ++k) {
-    double x = std::abs(zeros[k].phi - middle);
+    double x = std::abs(zeros[k].phi - panel.middle);
     while (x > kPi) x = std::abs(x - 2 * kPi);
     is_fine = is_far(x / half, zeros[k].distance / half);
   }
-  if (!is_fine && halvings < kHalvings) {
-    add(middle - half / 2, halvings + 1, zeros, longest);
-    add(middle + half / 2, halvings + 1, zeros, longest);
+  if (is_fine || halvings >= kHalvings) {
+    cosine_.push_back(panel.cosine);
+    sine_.push_back(panel.sine);
+    half_.push_back(half);
     return;
   }
-  const double c = std::cos(middle), s = std::sin(middle);
-  for (int j = halvings * points_; j < (halvings + 1) * points_; ++j) {
-    cosine_.push_back(c * cosines_[j] - s * sines_[j]);
-    sine_.push_back(s * cosines_[j] + c * sines_[j]);
-    weight_.push_back(weights_[j]);
+  // Half of an angle has its cosine and sine from the angle's.
+  if (known_ == halvings + 1) {
+    const Half whole = halvings_[halvings];
+    const double cosine = std::sqrt((1 + whole.cosine) / 2);
+    halvings_[known_++] = {half / 2, cosine, whole.sine / (2 * cosine)};
   }
+  const Half next = halvings_[halvings + 1];
+  const double cc = panel.cosine * next.cosine, ss = panel.sine * next.sine;
+  const double sc = panel.sine * next.cosine, cs = panel.cosine * next.sine;
+  add({panel.middle - next.length, cc + ss, sc - cs}, halvings + 1, arc, zeros, longest);
+  add({panel.middle + next.length, cc - ss, sc + cs}, halvings + 1, arc, zeros, longest);
 }
 
 }  // namespace lamella

@@ -3,36 +3,49 @@
 #include <cmath>
 
 #include "phase/math/real.h"
+#include "phase/math/trigonometry.h"
 #include "volume/harmonics/circle_task.h"
 
 namespace lamella {
 
-// (1 - exp(-x)) / x for x >= 0, given exp(-x): relative error below 1e-15.
+// (1 - exp(-x)) / x for x >= 0 as a fraction, given exp(-x): relative error below 1e-15.
 template <class Real>
-LAMELLA_INLINE Real mean_decay_of(Real x, Real decay) {
+struct Fraction {
+  Real above, below;
+};
+template <class Real>
+LAMELLA_INLINE Fraction<Real> mean_decay_of(Real x, Real decay) {
   const Real series = polynomial(x, 1.0, -1.0 / 2, 1.0 / 6, -1.0 / 24, 1.0 / 120, -1.0 / 720,
                                  1.0 / 5040, -1.0 / 40320, 1.0 / 362880, -1.0 / 3628800,
                                  1.0 / 39916800, -1.0 / 479001600, 1.0 / 6227020800);
-  return select(x < Real(0.5), series, (Real(1) - decay) / max(x, Real(0.5)));
+  const auto is_small = x < Real(0.5);
+  return {select(is_small, series, Real(1) - decay), select(is_small, Real(1), x)};
 }
 
 template <class Real>
 LAMELLA_INLINE Real mean_decay_of(Real x) {
   using std::exp;
-  return mean_decay_of(x, exp(-x));
+  const Fraction<Real> mean = mean_decay_of(x, exp(-x));
+  return mean.above / mean.below;
 }
 
 // Integral over s, t > 0, s + t < 1 of exp(-p s - q t): volume/quadrature/depth_integrals.cpp.
+// Relative error below 1e-13.
 template <class Real>
 LAMELLA_INLINE Real over_triangle_of(Real p, Real q) {
   using std::exp;
-  const Real low = min(p, q), high = max(p, q), decay = exp(-low);
-  Real value = (mean_decay_of(low, decay) - decay * mean_decay_of(high - low)) / max(high, Real(1));
-  const auto is_small = high < Real(1);
+  constexpr double kSmall = 0.03;
+  const Real low = min(p, q), high = max(p, q), apart = high - low, decay = exp(-low);
+  const Fraction<Real> of_low = mean_decay_of(low, decay);
+  const Fraction<Real> of_rest = mean_decay_of(apart, exp(-apart));
+  // of_low - decay of_rest, over high.
+  Real value = (of_low.above * of_rest.below - decay * of_rest.above * of_low.below) /
+               (of_low.below * of_rest.below * max(high, Real(kSmall)));
+  const auto is_small = high < Real(kSmall);
   if (any(is_small)) {
     Real sum(0), h(1), power(1);
     double factorial = 2;
-    for (int n = 0; n < 18; ++n) {
+    for (int n = 0; n < 7; ++n) {
       sum = multiply_add(h, Real((n % 2 ? -1 : 1) / factorial), sum);
       power = power * high;
       h = multiply_add(h, low, power);
@@ -77,30 +90,58 @@ LAMELLA_INLINE Real wave_at(const CircleWave& w, Real cosine, Real sine) {
   return multiply_add(cosine, twice + Real(w.b), multiply_add(Real(w.c), sine, Real(w.a - w.d)));
 }
 
-// The kernel of one event, by channel.
 template <class Real>
-LAMELLA_INLINE void kernel_at(const CircleMirror& m, int event, int channels, Real cosine,
-                              Real sine, Real* value) {
+LAMELLA_INLINE Real limited(Real ratio, const CircleMirror& m) {
+  return min(max(ratio, Real(m.least)), Real(m.largest));
+}
+
+// D(h) / 4 of both events.
+template <class Real>
+LAMELLA_INLINE void densities_at(const CircleMirror& m, Real cosine, Real sine,
+                                 const Real (&square)[2], Real (&density)[2]) {
   using std::exp;
   using std::sqrt;
-  const Real square = nonnegative(wave_at(m.square[event], cosine, sine));
-  const Real other = wave_at(m.other[event], cosine, sine);
-  Real density(m.scale);
+  if (m.is_constant) {
+    density[0] = density[1] = Real(m.scale);
+    return;
+  }
+  const Real other[2] = {wave_at(m.other[0], cosine, sine), wave_at(m.other[1], cosine, sine)};
   if (m.is_sggx) {
-    const Real ratio = min(max(square / max(other, Real(1e-300)), Real(m.least)), Real(m.largest));
-    density = density * ratio * ratio;
-  } else {
-    const Real along = min(other / sqrt(max(square, Real(1e-300))), Real(1));
-    density = density * exp(Real(m.kappa) * (along - Real(1)));
+    // One division for both; h^T S^-1 h is at least |h|^2, which rounding leaves above 1e-32.
+    const Real first = max(other[0], Real(1e-100)), second = max(other[1], Real(1e-100));
+    const Real inverse = Real(1) / (first * second);
+    const Real a = limited(square[0] * second * inverse, m);
+    const Real b = limited(square[1] * first * inverse, m);
+    density[0] = Real(m.scale) * a * a;
+    density[1] = Real(m.scale) * b * b;
+    return;
   }
-  Real schlick(0);
-  if (m.has_schlick) {
-    const Real x = nonnegative(Real(1) - Real(0.5) * sqrt(square));
-    schlick = x * x * x * x * x;
+  for (const int event : {0, 1}) {
+    const Real along = min(other[event] / sqrt(max(square[event], Real(1e-300))), Real(1));
+    density[event] = Real(m.scale) * exp(Real(m.kappa) * (along - Real(1)));
   }
-  for (int c = 0; c < channels; ++c)
-    value[c] =
-        density * Real(m.albedo[c]) * multiply_add(Real(1 - m.f0[c]), schlick, Real(m.f0[c]));
+}
+
+// The kernels of both events, by channel.
+template <class Real, class Take>
+LAMELLA_INLINE void kernels_at(const CircleMirror& m, int channels, Real cosine, Real sine,
+                               const Take& take) {
+  using std::sqrt;
+  const Real square[2] = {nonnegative(wave_at(m.square[0], cosine, sine)),
+                          nonnegative(wave_at(m.square[1], cosine, sine))};
+  Real density[2];
+  densities_at(m, cosine, sine, square, density);
+  for (const int event : {0, 1}) {
+    Real schlick(0);
+    if (m.has_schlick) {
+      const Real x = nonnegative(Real(1) - Real(0.5) * sqrt(square[event]));
+      schlick = x * x * x * x * x;
+    }
+    for (int c = 0; c < channels; ++c)
+      take(event, c,
+           density[event] * Real(m.albedo[c]) *
+               multiply_add(Real(1 - m.f0[c]), schlick, Real(m.f0[c])));
+  }
 }
 
 // Lane: how to load and store Real.
@@ -114,20 +155,25 @@ LAMELLA_INLINE void circle_sum_of(const CircleTask& t) {
   double* const second = first + kCirclePoints * t.mirrors * t.channels;
   double* const rates = second + kCirclePoints * t.mirrors * t.channels;
   Real total[kMaxChannels] = {Real(0), Real(0), Real(0)};
-  for (int p = 0; p < t.points; p += Lane::kCount) {
-    const Real cosine = Lane::load(t.cosine + p), sine = Lane::load(t.sine + p);
-    const Real weight = Lane::load(t.weight + p);
+  for (int p = 0; p < t.panels * kCirclePoints; p += Lane::kCount) {
+    const int panel = p / kCirclePoints, point = p % kCirclePoints;
+    const Real half(t.half[panel]);
+    const auto [sine_of, cosine_of] =
+        sine_cosine_near_zero(half * Lane::load(t.rule->place + point));
+    const Real middle_cosine(t.cosine[panel]), middle_sine(t.sine[panel]);
+    const Real cosine = middle_cosine * cosine_of - middle_sine * sine_of;
+    const Real sine = middle_sine * cosine_of + middle_cosine * sine_of;
+    // Points on the horizon itself are there by rounding.
+    const Real inverse_mu = Real(1) / max(wave_at(t.mu, cosine, sine), Real(1e-30));
+    const Real weight = half * Lane::load(t.rule->weight + point) * inverse_mu;
     for (int k = 0; k < t.mirrors; ++k)
-      for (const int event : {0, 1}) {
-        Real value[kMaxChannels];
-        kernel_at(t.mirror[k], event, t.channels, cosine, sine, value);
-        for (int c = 0; c < t.channels; ++c)
-          Lane::store(value[c], (event ? second : first) + kCirclePoints * (k * t.channels + c));
-      }
+      kernels_at(t.mirror[k], t.channels, cosine, sine, [&](int event, int c, Real value) {
+        Lane::store(value, (event ? second : first) + kCirclePoints * (k * t.channels + c));
+      });
     for (int k = 0; k < t.areas; ++k) {
       const Real area = t.area[k] ? Lane::load(t.area[k] + p)
                                   : sqrt(nonnegative(wave_at(t.square_of_area[k], cosine, sine)));
-      Lane::store(area * Real(t.inverse_mu), rates + kCirclePoints * k);
+      Lane::store(area * inverse_mu, rates + kCirclePoints * k);
     }
     Real carried[kMaxChannels] = {Real(0), Real(0), Real(0)};  // order 1 on its way along w'
     for (int step = 0; step < t.layers; ++step) {

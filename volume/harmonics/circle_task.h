@@ -13,6 +13,7 @@ struct CircleWave {
 /// the first event and the second.
 struct CircleMirror {
   bool is_sggx;
+  bool is_constant;       ///< D = 1 / pi: flakes without an axis
   CircleWave square[2];   ///< |h|^2
   CircleWave other[2];    ///< SGGX: h^T S^-1 h, vMF: h . axis
   double scale;           ///< D / 4: SGGX's where |h|^2 = h^T S^-1 h, vMF's largest
@@ -31,23 +32,30 @@ struct CircleLayer {
   double enter, leave;  ///< attenuation outside of the layer, of the light that comes and goes
 };
 
-/// The sum over points of a circle of weight K K I (volume/harmonics/mirror_pairs.h), by channel.
+/// Points on each panel of a circle: of Gauss and Legendre, on (-1, 1).
+inline constexpr int kCirclePoints = 8;
+struct CircleRule {
+  double place[kCirclePoints], weight[kCirclePoints];
+};
+
+/// The sum over points of an arc, all on one side of the horizon, of weight K K I / |mu'|
+/// (volume/harmonics/mirror_pairs.h), by channel.
 struct CircleTask {
-  int points;  ///< a multiple of kCirclePoints
-  const double *cosine, *sine, *weight;
+  int panels;
+  const double *cosine, *sine, *half;  ///< of the panels' middles; half of their lengths, <= pi / 4
+  const CircleRule* rule;
+  CircleWave mu;  ///< |mu'|
   int mirrors, areas, layers, channels;
   const CircleMirror* mirror;
   const CircleWave* square_of_area;  ///< of SGGX flakes
   const double* const* area;         ///< of others, at the points; null for SGGX
   const CircleLayer* layer;
-  double inverse_mu;  ///< 1 / |mu'|
-  bool onward;        ///< whether w' goes on as the light came
-  bool reflects;      ///< whether w_o is on the side of w_i
-  double* scratch;    ///< circle_scratch numbers
+  bool onward;      ///< whether w' goes on as the light came
+  bool reflects;    ///< whether w_o is on the side of w_i
+  double* scratch;  ///< circle_scratch numbers
   double* sum;
 };
 
-inline constexpr int kCirclePoints = 8;
 [[nodiscard]] constexpr int circle_scratch(int mirrors, int areas, int channels) {
   return kCirclePoints * (2 * mirrors * channels + areas + channels);
 }

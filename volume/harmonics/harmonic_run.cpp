@@ -21,6 +21,8 @@ constexpr double kFirstShare = 0.1;
 // This number of cells has order 2 integrated over pairs of mirrors without a look at the clock;
 // for more of them a sample tells what all would take.
 constexpr std::size_t kFewPairCells = 200, kSampledCells = 8;
+// The sample ends early where its first cells take this many times what is left.
+constexpr double kHopeless = 4;
 // Shares of the tolerance for what mirrors scatter twice: of harmonics, which are kept within it,
 // and of its quadrature.
 constexpr double kSecondShare = 0.3, kPairShare = 0.2;
@@ -48,11 +50,11 @@ class Refinement {
         accuracy_.limit = DeterministicLimit::interrupted;
         break;
       }
+      const double took = seconds_since(start_) - before;
       if (k == begin) solve_first();
       judge();
       if (!accuracy_.reached && solve_pairs(true)) judge();
       if (accuracy_.reached) break;
-      const double took = seconds_since(start_) - before;
       if (k + 1 == std::size(kHarmonicDegrees) || kHarmonicDegrees[k + 1] > options_.max_degree) {
         accuracy_.limit = DeterministicLimit::modes;
         break;
@@ -108,7 +110,8 @@ class Refinement {
       const HarmonicSolution solution(transport, incident()[i]);
       HarmonicAnswer answer{solution.energies(), {}};
       for (const bool up : {true, false})
-        if (lobes_.sees(i, up)) answer.sides[up ? 0 : 1] = solution.cells(grid_, up);
+        if (lobes_.sees(i, up))
+          answer.sides[up ? 0 : 1] = solution.cells(grid_, up, options_.tolerance);
       level.answers.back().push_back(std::move(answer));
     }
   }
@@ -181,21 +184,33 @@ class Refinement {
     if (options_.integrate_from)
       return *options_.integrate_from > 0 && degree >= *options_.integrate_from;
     if (count <= kFewPairCells || accuracy_.integrated_from > 0) return true;
-    const double begin = seconds_since(start_);
-    std::size_t sampled = 0;
+    double expected = 0;
     for (const PairSide& side : sides) {
-      std::vector<int> some;
-      const std::size_t step = std::max<std::size_t>(1, count / kSampledCells);
-      for (std::size_t k = step / 2; k < side.cells.size(); k += step)
-        some.push_back(side.cells[k]);
-      static_cast<void>(means_of(side, some));
-      sampled += some.size();
+      if (side.cells.empty()) continue;
+      expected += expected_time(side);
+      if (seconds_since(start_) + expected > options_.max_seconds) return false;
     }
-    if (sampled == 0) return false;
-    const double took = seconds_since(start_) - begin;
-    return seconds_since(start_) +
-               took * static_cast<double>(count) / static_cast<double>(sampled) <
-           options_.max_seconds;
+    return true;
+  }
+
+  // Of all cells of a side [seconds].
+  [[nodiscard]] double expected_time(const PairSide& side) const {
+    if (const auto seconds =
+            expected_seconds(pairs_, grid_, incident()[side.i], side.up, side.cells, side.allowed,
+                             options_.tolerance, narrowest_feature(stack_)))
+      return *seconds;
+    const double begin = seconds_since(start_);
+    const std::size_t step = std::max<std::size_t>(1, side.cells.size() / kSampledCells);
+    std::size_t sampled = 0;
+    double expected = 0;
+    for (std::size_t k = step / 2; k < side.cells.size(); k += step) {
+      static_cast<void>(means_of(side, {side.cells[k]}));
+      const double now = seconds_since(start_);
+      expected =
+          (now - begin) * static_cast<double>(side.cells.size()) / static_cast<double>(++sampled);
+      if (expected > kHopeless * (options_.max_seconds - now)) break;
+    }
+    return expected;
   }
 
   // What mirrors scatter twice, by quadrature, wherever the harmonics leave more of it than a share

@@ -128,16 +128,27 @@ std::array<std::vector<double>, kOpenParts> HarmonicSolution::means(const CellGr
   return result;
 }
 
-HarmonicCells HarmonicSolution::cells(const CellGrid& grid, bool up) const {
-  HarmonicCells cells;
-  auto fine = means(grid, up, 4);
-  const auto coarse = means(grid, up, 3);
-  for (int k = 0; k < kOpenParts; ++k) {
-    for (int cell = 0; cell < grid.cells(); ++cell)
-      cells.error[k].push_back(std::abs(fine[k][cell] - coarse[k][cell]));
-    cells.value[k] = std::move(fine[k]);
+HarmonicCells HarmonicSolution::cells(const CellGrid& grid, bool up, double tolerance) const {
+  constexpr double kShare = 0.1;
+  constexpr int kMostPoints = 8;
+  auto coarse = means(grid, up, 3);
+  for (int points = 4;; points += 2) {
+    auto fine = means(grid, up, points);
+    HarmonicCells cells;
+    std::vector<double> of_row(grid.rows(), 0);
+    for (int k = 0; k < kOpenParts; ++k)
+      for (int cell = 0; cell < grid.cells(); ++cell) {
+        cells.error[k].push_back(std::abs(fine[k][cell] - coarse[k][cell]));
+        of_row[cell / grid.columns()] += std::abs(fine[k][cell]) / grid.columns();
+      }
+    bool is_enough = true;
+    for (int k = 0; k < kOpenParts; ++k)
+      for (int cell = 0; cell < grid.cells(); ++cell)
+        is_enough &= cells.error[k][cell] <= kShare * tolerance * of_row[cell / grid.columns()];
+    for (int k = 0; k < kOpenParts; ++k) cells.value[k] = fine[k];
+    if (is_enough || points >= kMostPoints) return cells;
+    coarse = std::move(fine);
   }
-  return cells;
 }
 
 }  // namespace lamella

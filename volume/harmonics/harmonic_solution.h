@@ -48,7 +48,9 @@ class HarmonicSolution {
   /// f of all orders from 2 on together, along directions whose harmonics are the columns.
   [[nodiscard]] Eigen::VectorXd multiple(std::span<const Direction> wo,
                                          const Eigen::MatrixXd& harmonics) const;
-  [[nodiscard]] HarmonicCells cells(const CellGrid& grid, bool up) const;
+  /// tolerance: of a mean, relative to the mean over its row. The quadrature over cells takes more
+  /// points until it leaves a tenth of that, up to 8 x 10 of them.
+  [[nodiscard]] HarmonicCells cells(const CellGrid& grid, bool up, double tolerance) const;
 
  private:
   [[nodiscard]] std::array<std::vector<double>, kOpenParts> means(const CellGrid& grid, bool up,

@@ -4,51 +4,21 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 
+#include "volume/harmonics/legendre_patch.h"
+#include "volume/harmonics/pair_field.h"
 #include "volume/quadrature/quadrature.h"
 
 namespace lamella {
 namespace {
 
-constexpr int kAlong = 8;  // points of a part, both ways
+constexpr int kAlong = LegendrePatch::kAlong;
 constexpr int kMaxHalvings = 12;
-// Places between the points, as shares of a part, where its polynomial is held against f.
-constexpr std::array<double, 3> kOffT{0.055, 0.5, 0.83}, kOffPhi{0.17, 0.5, 0.945};
-constexpr double kShareOfPoint = 0.2;  // of the tolerance, for each point
-
-using Coefficients = std::array<std::array<Rgb, kAlong>, kAlong>;  // by t, phi
-
-// Legendre polynomials P_k(x).
-std::array<double, kAlong> legendre(double x) {
-  std::array<double, kAlong> values{1, x};
-  for (int k = 1; k + 1 < kAlong; ++k)
-    values[k + 1] = ((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1);
-  return values;
-}
-
-// Column k: (2 k + 1) times the weight of each point times P_k there, which sum to coefficients.
-const std::array<std::array<double, kAlong>, kAlong>& projection() {
-  static const auto table = [] {
-    std::array<std::array<double, kAlong>, kAlong> t{};
-    const Quadrature& rule = cached_gauss_legendre(kAlong);
-    for (int j = 0; j < kAlong; ++j) {
-      const auto values = legendre(2 * rule.points[j] - 1);
-      for (int k = 0; k < kAlong; ++k) t[j][k] = (2 * k + 1) * rule.weights[j] * values[k];
-    }
-    return t;
-  }();
-  return table;
-}
-
-// What a series leaves whose last coefficients are these: a geometric one by the ratio of pairs.
-double left_over(const std::array<double, kAlong>& sizes) {
-  const double last = std::max(sizes[kAlong - 1], sizes[kAlong - 2]);
-  const double before = std::max(sizes[kAlong - 3], sizes[kAlong - 4]);
-  if (last == 0) return 0;
-  const double ratio = std::min(0.7, last / before);
-  return last * ratio / (1 - ratio);
-}
+// From this number of cells on, one field serves all.
+constexpr std::size_t kManyCells = 32;
+constexpr double kShareOfPoint = 0.5;  // of the tolerance, for each point
 
 // Rows and columns of cells whose f is summed up from polynomials.
 class Block {
@@ -90,57 +60,20 @@ class Block {
     return is_grazing_ ? std::sqrt(e) : e;
   }
 
-  // A part's polynomial.
-  struct Fit {
-    Part part;
-    Coefficients c;
-
-    [[nodiscard]] Rgb at(double t, double phi) const {
-      const auto along_t = legendre(2 * (t - part.t0) / (part.t1 - part.t0) - 1);
-      const auto along_phi = legendre(2 * (phi - part.phi0) / (part.phi1 - part.phi0) - 1);
-      Rgb sum;
-      for (int k = 0; k < kAlong; ++k)
-        for (int l = 0; l < kAlong; ++l) sum += along_t[k] * along_phi[l] * c[k][l];
-      return sum;
-    }
-  };
-
   void add(const Part& part, int halvings) {
-    const Quadrature& rule = cached_gauss_legendre(kAlong);
-    Fit fit{part, {}};
-    Coefficients by_t{};
-    Coefficients& c = fit.c;
     double of_points = 0;
-    for (int a = 0; a < kAlong; ++a) {
-      const double t = part.t0 + (part.t1 - part.t0) * rule.points[a];
-      for (int b = 0; b < kAlong; ++b) {
-        const double phi = part.phi0 + (part.phi1 - part.phi0) * rule.points[b];
-        const MirrorPairs::Value f = value(t, phi);
-        of_points += rule.weights[a] * rule.weights[b] * f.error;
-        for (int k = 0; k < kAlong; ++k) by_t[k][b] += projection()[a][k] * f.f;
-      }
-    }
-    for (int k = 0; k < kAlong; ++k)
-      for (int b = 0; b < kAlong; ++b)
-        for (int l = 0; l < kAlong; ++l) c[k][l] += projection()[b][l] * by_t[k][b];
-    double along_t = 0, along_phi = 0;
-    for (int channel = 0; channel < 3; ++channel) {
-      std::array<double, kAlong> of_t{}, of_phi{};
-      for (int k = 0; k < kAlong; ++k)
-        for (int l = 0; l < kAlong; ++l) {
-          const double square = c[k][l][channel] * c[k][l][channel];
-          of_t[k] += square / (2 * l + 1);
-          of_phi[l] += square / (2 * k + 1);
-        }
-      for (std::array<double, kAlong>* sizes : {&of_t, &of_phi})
-        for (int k = 0; k < kAlong; ++k) (*sizes)[k] = std::sqrt((*sizes)[k] / (2 * k + 1));
-      along_t = std::max(along_t, left_over(of_t));
-      along_phi = std::max(along_phi, left_over(of_phi));
-    }
-    if (halvings < kMaxHalvings &&
-        (along_t + along_phi > tolerance_ || off_points(fit) > tolerance_)) {
+    const auto f = [&](double u, double v) {
+      const MirrorPairs::Value value =
+          this->value(part.t0 + (part.t1 - part.t0) * u, part.phi0 + (part.phi1 - part.phi0) * v);
+      of_points = std::max(of_points, value.error);
+      return value.f;
+    };
+    const LegendrePatch patch(f);
+    double error = patch.left_over_u() + patch.left_over_v();
+    if (error <= tolerance_ || halvings == kMaxHalvings) error = std::max(error, patch.off(f));
+    if (error > tolerance_ && halvings < kMaxHalvings) {
       Part first = part, second = part;
-      if (along_t > along_phi)
+      if (patch.left_over_u() > patch.left_over_v())
         first.t1 = second.t0 = cut(part.t0, part.t1, t_edges_);
       else
         first.phi1 = second.phi0 = cut(part.phi0, part.phi1, phi_edges_);
@@ -148,26 +81,14 @@ class Block {
       add(second, halvings + 1);
       return;
     }
-    take(part, c, std::max(along_t + along_phi, off_points(fit)) + of_points);
+    take(part, patch, error + of_points);
   }
 
   [[nodiscard]] MirrorPairs::Value value(double t, double phi) const {
     const double mu = std::sin(is_grazing_ ? t * t : t);
-    return pairs_(wi_, direction_from_mu_phi(up_ ? mu : -mu, azimuth(wi_) + phi),
+    return pairs_(wi_,
+                  with_grazing_limit(direction_from_mu_phi(up_ ? mu : -mu, azimuth(wi_) + phi)),
                   kShareOfPoint * tolerance_);
-  }
-
-  // The largest error of a polynomial at places between its points.
-  [[nodiscard]] double off_points(const Fit& fit) const {
-    double worst = 0;
-    for (const double a : kOffT)
-      for (const double b : kOffPhi) {
-        const double t = fit.part.t0 + (fit.part.t1 - fit.part.t0) * a;
-        const double phi = fit.part.phi0 + (fit.part.phi1 - fit.part.phi0) * b;
-        const Rgb off = fit.at(t, phi) - value(t, phi).f;
-        for (int x = 0; x < 3; ++x) worst = std::max(worst, std::abs(off[x]));
-      }
-    return worst;
   }
 
   // The edge between cells that is nearest to the middle, or the middle of a cell.
@@ -183,7 +104,7 @@ class Block {
   }
 
   // Adds a part to the means of the cells that it overlaps.
-  void take(const Part& part, const Coefficients& c, double error) {
+  void take(const Part& part, const LegendrePatch& patch, double error) {
     for (std::size_t row = 0; row + 1 < t_edges_.size(); ++row) {
       double of_weight = 0;
       const auto t = integrals(part.t0, part.t1, t_edges_[row + 1], t_edges_[row], true, of_weight);
@@ -196,7 +117,8 @@ class Block {
         CellMean& mean = means_[row * columns_ + column];
         const double size = grid_.projected_solid_angle() * (grid_.folded ? 0.5 : 1);
         for (int k = 0; k < kAlong; ++k)
-          for (int l = 0; l < kAlong; ++l) mean.value += t[k] * phi[l] / size * c[k][l];
+          for (int l = 0; l < kAlong; ++l)
+            mean.value += t[k] * phi[l] / size * patch.coefficient(k, l);
         mean.error += of_weight * width / size * Rgb(error);
       }
     }
@@ -218,7 +140,7 @@ class Block {
         const double e = is_grazing_ ? t * t : t;
         weight *= std::sin(e) * std::cos(e) * (is_grazing_ ? 2 * t : 1);
       }
-      const auto values = legendre(2 * (t - from) / (to - from) - 1);
+      const auto values = LegendrePatch::legendre(2 * (t - from) / (to - from) - 1);
       for (int k = 0; k < kAlong; ++k) sum[k] += weight * values[k];
       total += weight;
     }
@@ -235,6 +157,54 @@ class Block {
   std::vector<CellMean> means_;
 };
 
+// Shares of a row's tolerance: the field's polynomials, and the quadrature over cells.
+constexpr double kShareOfField = 0.7, kShareOfMean = 0.3;
+
+double least_channel(Rgb tolerance) {
+  double least = 1e300;
+  for (int c = 0; c < 3; ++c)
+    if (tolerance[c] > 0) least = std::min(least, tolerance[c]);
+  return least;
+}
+
+bool has_field(const MirrorPairs& pairs, const std::vector<int>& cells) {
+  return PairField::applies(pairs) && cells.size() >= kManyCells;
+}
+
+std::vector<std::optional<CellMean>> field_cells(const MirrorPairs& pairs, const CellGrid& grid,
+                                                 Direction wi, bool up,
+                                                 const std::vector<int>& cells,
+                                                 const std::vector<Rgb>& tolerance_of_row,
+                                                 const std::atomic<bool>* stop) {
+  std::vector<std::optional<CellMean>> means(cells.size());
+  const PairField field(
+      pairs, wi, up,
+      [&](double mu) {
+        const int row = grid.cell(mu * mu, 0) / grid.columns();
+        return kShareOfField * least_channel(tolerance_of_row[row]);
+      },
+      stop);
+  if (!field.is_whole()) return means;
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t k) {
+    const int row = cells[k] / grid.columns(), column = cells[k] % grid.columns();
+    double of_field = 0;
+    const auto f = [&](double mu, double phi) {
+      const PairField::Value value =
+          field.at(direction_from_mu_phi(up ? mu : -mu, azimuth(wi) + phi));
+      of_field = std::max(of_field, value.error);
+      return value.f;
+    };
+    const double allowed = kShareOfMean * least_channel(tolerance_of_row[row]);
+    CellMean mean = cell_mean(f,
+                              {grid.edge_mu(row + 1), grid.edge_mu(row), grid.edge_phi(column),
+                               grid.edge_phi(column + 1)},
+                              Rgb(allowed), {});
+    mean.error += Rgb(of_field);
+    means[k] = mean;
+  });
+  return means;
+}
+
 }  // namespace
 
 std::vector<std::optional<CellMean>> pair_cells(const MirrorPairs& pairs, const CellGrid& grid,
@@ -242,6 +212,8 @@ std::vector<std::optional<CellMean>> pair_cells(const MirrorPairs& pairs, const 
                                                 const std::vector<int>& cells,
                                                 const std::vector<Rgb>& tolerance_of_row,
                                                 double width, const std::atomic<bool>* stop) {
+  if (has_field(pairs, cells))
+    return field_cells(pairs, grid, wi, up, cells, tolerance_of_row, stop);
   std::vector<std::optional<CellMean>> means(cells.size());
   const auto along = [&](double cell) {
     return static_cast<int>(std::clamp(2 * width / cell, 1.0, 4.0));
@@ -264,6 +236,25 @@ std::vector<std::optional<CellMean>> pair_cells(const MirrorPairs& pairs, const 
       means[k] = block.mean(cells[k] / grid.columns(), cells[k] % grid.columns());
   });
   return means;
+}
+
+std::optional<double> expected_seconds(const MirrorPairs& pairs, const CellGrid& grid, Direction wi,
+                                       bool up, const std::vector<int>& cells,
+                                       const std::vector<Rgb>& tolerance_of_row, double tolerance,
+                                       double width) {
+  if (!has_field(pairs, cells)) return std::nullopt;
+  constexpr int kPairs = 24;
+  const auto begin = std::chrono::steady_clock::now();
+  tbb::parallel_for(0, kPairs, [&](int k) {
+    const int row = k % grid.rows();
+    const double mu = (grid.edge_mu(row) + grid.edge_mu(row + 1)) / 2;
+    const double allowed = kShareOfField * least_channel(tolerance_of_row[row]);
+    static_cast<void>(pairs(wi, direction_from_mu_phi(up ? mu : -mu, 2 * kPi * k / kPairs),
+                            kShareOfPoint * allowed));
+  });
+  const double took =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return took / kPairs * PairField::expected_pairs(pairs, wi, tolerance, width);
 }
 
 }  // namespace lamella
