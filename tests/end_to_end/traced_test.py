@@ -129,7 +129,7 @@ class PathsOnAnObject(ProgramTest):
                     self.assertIn("allowed: 1 to 2", error)
                     self.assertEqual(error.count("\n"), 1, error)
                     continue
-                answer = self.lamella("preview", "a.toml", "--shape", "sphere", "--size", "24", "--samples", "64", "--table",
+                answer = self.lamella("preview", "a.toml", "--shape", "sphere", "--size", "16", "--samples", "1024", "--table",
                                       "--environment", "uniform", "--json", "out.json", "-o", "out")
                 self.assertIn("layer.0.albedo from 0.2 to 0.9" if maps == 1 else "layer.0.g from", answer.out)
                 pictures = {p["name"]: p for p in json.loads((self.folder / "out.json").read_text())["traced"]["pictures"]}
@@ -138,7 +138,9 @@ class PathsOnAnObject(ProgramTest):
                 # Between nodes the table is within 1 %, as that of one stack.
                 self.assertAlmostEqual(table["mean_luminance"], truth["mean_luminance"],
                                        delta=4.5 * noise + 0.01 * truth["mean_luminance"])
-                self.assertLess(table["bias"], 1e-3 + 4.5 * table["bias_error"])
+                # Pixels of the silhouette, which few samples meet, are the rest of this: the table of a
+                # stack without maps has up to 5e-3 here.
+                self.assertLess(table["bias"], 0.01 + 4.5 * table["bias_error"])
         self.write("a.toml", '[[layer]]\nmedium = "sggx"\nroughness = 0.5\nthickness = 1\n'
                              'axis = { map = "g.exr", encoding = "angle" }\n[substrate]\nbsdf = "lambert"\n')
         self.assertIn("a map of directions, layer.0.axis",
