@@ -138,8 +138,8 @@ class PathsOnAnObject(ProgramTest):
                 # Between nodes the table is within 1 %, as that of one stack.
                 self.assertAlmostEqual(table["mean_luminance"], truth["mean_luminance"],
                                        delta=4.5 * noise + 0.01 * truth["mean_luminance"])
-                # Pixels of the silhouette, which few samples meet, are the rest of this: the table of a
-                # stack without maps has up to 5e-3 here.
+                # Pixels of the silhouette, which few samples meet, are the rest of this: the table
+                # of a stack without maps has up to 5e-3 here.
                 self.assertLess(table["bias"], 0.01 + 4.5 * table["bias_error"])
         self.write("a.toml", '[[layer]]\nmedium = "sggx"\nroughness = 0.5\nthickness = 1\n'
                              'axis = { map = "g.exr", encoding = "angle" }\n[substrate]\nbsdf = "lambert"\n')
