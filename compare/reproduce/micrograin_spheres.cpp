@@ -89,9 +89,10 @@ Json reproduce_micrograin_figure_12(ReproductionContext& context) {
 
 namespace {
 
-// A sphere whose surface is a sheet: what it passes of a lamp as far behind as it was in front.
+// A sphere of glass as its surface shows it: what it passes of a lamp inside, 20 degrees off the
+// axis of view, which refraction shows within the disc.
 PreviewColumn seen_through(const std::string& name, const Model& model) {
-  const Direction lamp = direction_from_degrees(180 - kSphereLamp, 0);
+  const Direction lamp = direction_from_degrees(160, 0);
   return sphere_of(name, [&](Direction n) {
     const Frame<double> frame = frame_around(n);
     const Direction wi = frame.to_local(lamp), wo = frame.to_local(Direction{0, 0, 1});
@@ -155,7 +156,7 @@ Json reproduce_micrograin_figure_13(ReproductionContext& context) {
     write_spheres(context, bulk_name, fmt::format("grains over {}, tau0 = 0.5", bulk_name),
                   columns);
     if (bulk_name != std::string("glass")) continue;
-    // The same sheet of glass with the lamp beyond it.
+    // The same glass with the lamp behind it.
     std::vector<PreviewColumn> passed{seen_through("bare glass", *bare.model)};
     for (const Kind& kind : grains) {
       const BoundModel model = figure_model(
@@ -165,7 +166,7 @@ Json reproduce_micrograin_figure_13(ReproductionContext& context) {
       transparency.push_back(fmt::format("{:.3f} ({})", left, kind.name));
       clearest = std::max(clearest, left);
     }
-    write_spheres(context, "through_glass", "the glass with the lamp behind it, tau0 = 0.5",
+    write_gallery(context, "through_glass", "the glass with the lamp behind it, tau0 = 0.5",
                   passed);
   }
   context.find("grains hide the bulk at grazing angles",
