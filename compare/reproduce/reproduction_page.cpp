@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace lamella {
@@ -99,7 +100,8 @@ std::string totals_of(const Json& figures) {
     if (f.contains("left_out")) continue;
     // "Lucas et al. 2023, Micrograin BSDF, figure 4"
     const std::string source = f["source"].get<std::string>();
-    const std::string paper = source.substr(0, source.find(", ", source.find(", ") + 2));
+    const std::string paper =
+        source.substr(0, std::min(source.find(", figure"), source.find(", table")));
     if (papers.empty() || papers.back().first != paper) papers.emplace_back(paper, Json::array());
     for (const Json& finding : f["findings"]) {
       papers.back().second.push_back(finding);
