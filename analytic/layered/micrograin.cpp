@@ -72,6 +72,7 @@ struct Grains {
   bool visible_normals;
   Rgb albedo, f0;
   std::shared_ptr<const Model> bulk;
+  bool bulk_transmits;
 };
 
 /// What a specular grain's part loses, 1 - E, as a function of mu: cubics between nodes that crowd
@@ -128,6 +129,7 @@ class Micrograin final : public Model {
   }
 
   [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
+    if (wi.z < 0 || wo.z < 0) return from_below(lobe, wi, wo);
     const auto a = reflection_angles(wi, wo);
     if (!a) return Rgb();
     wi = with_grazing_limit(wi);
@@ -151,7 +153,10 @@ class Micrograin final : public Model {
   /// reflected direction may lie below, where the model is 0: the density counts it.
   [[nodiscard]] std::optional<Direction> sample(Direction wo, double u1, double u2,
                                                 double u3) const override {
-    if (wo.z < 0) return Model::sample(wo, u2, u3, u1);
+    if (wo.z < 0) {
+      const double open = g_.bulk_transmits ? 1 - g_.tau0 : 0;
+      return u1 < open ? g_.bulk->sample(wo, u1 / open, u2, u3) : Model::sample(wo, u2, u3, u1);
+    }
     const Shares p = shares(wo);
     if (u1 < p.bulk) return g_.bulk->sample(wo, u1 / p.bulk, u2, u3);
     if (u1 >= p.bulk + p.specular) return Model::sample(wo, u2, u3, u1);
@@ -165,7 +170,10 @@ class Micrograin final : public Model {
   }
 
   [[nodiscard]] double pdf(Direction wi, Direction wo) const override {
-    if (wo.z < 0) return Model::pdf(wi, wo);
+    if (wo.z < 0) {
+      const double open = g_.bulk_transmits ? 1 - g_.tau0 : 0;
+      return (1 - open) * Model::pdf(wi, wo) + (open > 0 ? open * g_.bulk->pdf(wi, wo) : 0);
+    }
     const Shares p = shares(wo);
     double density = p.bulk > 0 ? p.bulk * g_.bulk->pdf(wi, wo) : 0;
     const double diffuse = 1 - p.bulk - p.specular;
@@ -187,10 +195,33 @@ class Micrograin final : public Model {
     return density;
   }
 
+  [[nodiscard]] double uncollided(Direction wi) const override {
+    return seen_bulk(wi) * g_.bulk->uncollided(wi);
+  }
+  [[nodiscard]] Rgb specular(Direction wi) const override {
+    if (wi.z < 0) return (1 - g_.tau0) * g_.bulk->specular(wi);
+    const double mu = std::max(wi.z, kGrazingLimit);
+    return (1 - micrograin_weight(mu, mu, g_.tau0, g_.beta)) * g_.bulk->specular(wi);
+  }
+
  private:
   struct Shares {
     double bulk, specular;
   };
+  /// The share of the bulk's light along w that grains leave, on its way above them; that which
+  /// stays below them meets none.
+  [[nodiscard]] double seen_bulk(Direction w) const {
+    return 1 - micrograin_tau_plus(std::max(std::abs(w.z), kGrazingLimit), g_.tau0, g_.beta);
+  }
+  /// Where one direction or both lie below.
+  [[nodiscard]] Rgb from_below(int lobe, Direction wi, Direction wo) const {
+    if (!g_.bulk_transmits) return {};
+    const bool through = (wi.z < 0) != (wo.z < 0);
+    if (lobe == 1)
+      return (through ? seen_bulk(wi.z < 0 ? wo : wi) : 1 - g_.tau0) * g_.bulk->eval(wi, wo);
+    if (through) return {};
+    return g_.tau0 / kPi * (g_.surface == GrainSurface::conductor ? g_.f0 : g_.albedo);
+  }
   [[nodiscard]] Shares shares(Direction wo) const {
     const double mu = std::max(wo.z, kGrazingLimit);
     const double grains = micrograin_tau_plus(mu, g_.tau0, g_.beta);
@@ -402,6 +433,7 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
            choice_parameter("bulk", "closed form of the surface below", bulks.names())},
       .lobes = {{"grains", "light that meets grains", Order::one},
                 {"bulk", "light that meets the surface below only", Order::one}},
+      .transmits = true,
       .make =
           [bulks](const Parameters& p, const Stack*) {
             const std::string& bulk = p.choice("bulk");
@@ -415,7 +447,8 @@ ModelInfo micrograin_model(const std::vector<ModelInfo>& models) {
                        .visible_normals = p.choice("normals") == "visible",
                        .albedo = p.color("albedo"),
                        .f0 = p.color("f0"),
-                       .bulk = bulks.named(bulk).make(bulks.values(bulk, p), nullptr)});
+                       .bulk = bulks.named(bulk).make(bulks.values(bulk, p), nullptr),
+                       .bulk_transmits = bulks.named(bulk).transmits});
           },
       .applies_to = [](const Stack& stack) -> std::optional<Parameters> {
         const GrainGeometry* g = stack.grains();

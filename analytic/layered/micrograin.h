@@ -22,6 +22,13 @@ namespace lamella {
 /// paper's own T is not at hand; this T keeps the energy of white grains at 1 and is reciprocal
 /// (Kelemen and Szirmay-Kalos 2001; EON's eq. 17). Reciprocal if the bulk is. Lobes `grains` and
 /// `bulk`. Specular grains are sampled by their visible normals, or, with normals=all, by eq. 20.
+/// Over a bulk that transmits (glass): grains stand above it alone, so what passes is f_B times the
+/// share of the bulk that the direction above sees, 1 - tau_plus (eq. 22), which is exact for what
+/// meets the bulk once and no grain. From below, f = (1 - tau0) f_B + tau0 / pi times the grains'
+/// albedo (f0 of conductors): their bases, which the paper leaves open, are Lambertian here. The
+/// weight w counts grains that light would meet on its way up, of light that the bulk has let pass
+/// as well: white grains over glass gain by what w exceeds tau_plus, up to 10 % (analytic/README.md
+/// has the command).
 /// `models`: those that may lie below, but for the ones that are built from a stack. The parameter
 /// `bulk` names one; it selects that one's own parameters.
 [[nodiscard]] ModelInfo micrograin_model(const std::vector<ModelInfo>& models);

@@ -112,6 +112,9 @@ std::vector<StackPart> parts_of(std::size_t layers) {
 double fit_of(const SpongecakeAccuracy& r, double LobeErrors::*which) {
   return r.fit ? (*r.fit).*which : 0;
 }
+double fit_elsewhere_of(const SpongecakeAccuracy& r) {
+  return r.fit_elsewhere ? r.fit_elsewhere->multiple : 0;
+}
 
 std::string cell(const Rows& rows, const Value& value) {
   return fmt::format("{} / {}", percent_text(mean_of(rows, value)),
@@ -129,10 +132,11 @@ void print_part(std::FILE* out, const std::string& name, const Rows& rows, bool 
     return [which](const SpongecakeAccuracy& r) { return fit_of(r, which); };
   };
   const std::string no_fit = "–";
-  fmt::print(out, "| {} | {} | {} | {} | {} | {} | {} |\n", name, rows.size(),
+  fmt::print(out, "| {} | {} | {} | {} | {} | {} | {} | {} |\n", name, rows.size(),
              cell(rows, network(&LobeErrors::multiple)),
              fits ? cell(rows, fit(&LobeErrors::multiple)) : no_fit,
-             cell(rows, none(&LobeErrors::all)), cell(rows, network(&LobeErrors::all)),
+             fits ? cell(rows, fit_elsewhere_of) : no_fit, cell(rows, none(&LobeErrors::all)),
+             cell(rows, network(&LobeErrors::all)),
              fits ? cell(rows, fit(&LobeErrors::all)) : no_fit);
 }
 
@@ -176,7 +180,8 @@ std::vector<std::string> draw_worst(const std::filesystem::path& folder, const R
     const std::string name = row->stack.name + ".png";
     if (monitor.is_stopped() || std::find(written.begin(), written.end(), name) != written.end())
       continue;
-    const MultipleLobes truth = matrix_truth(row->stack, walks, 1);
+    const MultipleLobes truth = matrix_truth(row->stack, walks, 1, monitor.stop);
+    if (monitor.is_stopped()) break;
     const SpongecakeTrial trial(row->stack, truth);
     std::optional<SpongecakeLobes> best;
     if (row->fit) best = SpongecakeTrial(row->stack, thinned(truth)).best();
@@ -193,9 +198,10 @@ void print_parts(std::FILE* out, const AccuracyEnsemble& ensemble, const Rows& a
   fmt::print(out,
              "{} random stacks, {} walks along each of {} directions; relative RMSE over 8 x 16 "
              "cells\nper side and 3 channels, noise taken off: mean / 90th percentile over the "
-             "stacks; noise {}\nof a stack's RMS on average\n\n"
-             "| stacks | number | 2+: network | 2+: best fit | all: no lobes | all: network | "
-             "all: best fit |\n| --- | --- | --- | --- | --- | --- | --- |\n",
+             "stacks; noise {}\nof a stack's RMS on average; best fit: to the cells that it is "
+             "judged on; fit elsewhere: to as many\ndirections of its own\n\n"
+             "| stacks | number | 2+: network | 2+: best fit | 2+: fit elsewhere | all: no lobes | "
+             "all: network | all: best fit |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n",
              all.size(), ensemble.walks, ensemble.directions,
              percent_text(mean_of(all, [](const SpongecakeAccuracy& r) { return r.noise; })));
   for (const std::size_t layers : {1u, 2u})
@@ -232,8 +238,10 @@ Json spongecake_accuracy(const Options& options, const RunMonitor& monitor, std:
              {"nothing", errors_json(row.nothing)},
              {"network", errors_json(row.network)}};
     if (row.fit) one["fit"] = errors_json(*row.fit);
+    if (row.fit_elsewhere) one["fit_elsewhere"] = errors_json(*row.fit_elsewhere);
     list.push_back(std::move(one));
   });
+  if (monitor.finished) monitor.finished();
   if (rows.empty()) return list;
   Rows all;
   for (const SpongecakeAccuracy& row : rows) all.push_back(&row);

@@ -45,7 +45,9 @@ TruthRequest preview_request(const TruthRequest& request) {
 }
 
 // The models that apply to the first texel, or that were asked for, as their means over all.
-std::vector<BoundModel> models_of_texels(const Options& options, const std::vector<Stack>& texels) {
+// solved: without noise, as their truth has none.
+std::vector<BoundModel> models_of_texels(const Options& options, const std::vector<Stack>& texels,
+                                         bool solved) {
   std::vector<ModelRequest> requests = requests_for(model_requests(options), texels.front());
   // Fits take seconds for every texel: further lobes come from the network, or there are none.
   for (ModelRequest& request : requests)
@@ -62,7 +64,7 @@ std::vector<BoundModel> models_of_texels(const Options& options, const std::vect
   }
   std::vector<BoundModel> means;
   for (std::vector<BoundModel>& models : bound)
-    means.push_back(mean_over_texels(std::move(models)));
+    means.push_back(mean_over_texels(std::move(models), solved));
   return means;
 }
 
@@ -86,17 +88,17 @@ namespace {
 
 int compare_run(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
-  TruthRequest request = truth_request(options, run.stack);
-  request.texels = run.texels;
+  const TruthRequest request = request_of(run);
   const Stack& stack = request.stack;
   if (options.preview && !run.texels.empty())
     throw UsageError("--preview: found --at mean; allowed: --at U,V");
   const std::vector<PictureFormat> formats = picture_formats_of(run.pictures);
   if (options.preview) check_preview("compare --preview", stack);
   GroundTruth truth(request, Estimator::analog, monitor);
-  const std::vector<BoundModel> models = run.texels.empty()
-                                             ? fitted_models_for(model_requests(options), stack)
-                                             : models_of_texels(options, run.texels);
+  const std::vector<BoundModel> models =
+      run.texels.empty()
+          ? fitted_models_for(model_requests(options), stack)
+          : models_of_texels(options, run.texels, truth.estimator() == Estimator::deterministic);
   const InputFiles inputs(stack, objects_of(models));
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
   make_output_folder(folder);

@@ -10,6 +10,7 @@
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
 #include "compare/fit/least_squares.h"
+#include "compare/nearest/held_out.h"
 #include "compare/nearest/nearest_models.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -38,8 +39,11 @@ int fit_models_command(const Options& options, const ClosedFormOptions& closed,
     make_output_folder(options.output);
     lock.emplace(options.output);
   }
-  const NearestModels nearest =
+  NearestModels nearest =
       nearest_models(target, parametric_models(models, target.plan.channels), norm, sides, monitor);
+  if (has_other_directions(options) && !monitor.is_stopped())
+    if (const auto others = held_out_directions(target.request.directions); !others.empty())
+      judge_held_out(nearest, target_of(options, source, monitor, others));
   if (monitor.finished) monitor.finished();
   inputs.check();
   nlohmann::ordered_json answer = fit_json(target, nearest);

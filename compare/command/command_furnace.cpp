@@ -275,6 +275,14 @@ CommandAnswer furnace_answer(const Options& options, const Stack& stack,
 
 namespace {
 
+// With its texels, if it is about the mean over a map.
+TruthRequest furnace_request(const DividedRun& run) {
+  TruthRequest request = furnace_request(run.options, run.stack);
+  for (const Stack& texel : run.texels)
+    request.texels.push_back(run.options.as_is ? texel : with_surface_model(whitened(texel)));
+  return request;
+}
+
 // Of a stack's walks: models have none, and the solver's are seconds of work.
 void check_furnace(const DividedRun& run) {
   if (!run.options.models.empty())
@@ -291,9 +299,7 @@ void check_furnace(const DividedRun& run) {
 int furnace_run(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
   if (!options.html.empty()) check_output_file(options.html);
-  TruthRequest request = furnace_request(options, run.stack);
-  for (const Stack& texel : run.texels)
-    request.texels.push_back(options.as_is ? texel : with_surface_model(whitened(texel)));
+  const TruthRequest request = furnace_request(run);
   if (!run.texels.empty() && !options.models.empty())
     throw UsageError(
         "--at: found mean for a furnace of --model; allowed: --at U,V, or the stack's furnace");
@@ -318,7 +324,8 @@ int furnace_run(const DividedRun& run, const RunMonitor& monitor) {
 const DividedCommand& furnace_divided() {
   static const DividedCommand command{"furnace", "", check_furnace,
                                       [](const DividedRun& run, const RunMonitor& monitor) {
-                                        (void)furnace_answer(run.options, run.stack, monitor);
+                                        (void)stack_furnace(run.options, furnace_request(run),
+                                                            monitor, nullptr);
                                       },
                                       furnace_run};
   return command;

@@ -35,7 +35,8 @@ const DividedCommand& command_of(const PartFile& part) {
 
 // The options that all parts had, with those of this command.
 Options merged_options(const Options& own, Json settings, const PartFile& part) {
-  for (const char* key : {"stack", "stack_name", "words", "input", "files"}) settings.erase(key);
+  for (const char* key : {"stack", "stack_name", "texels", "words", "input", "files"})
+    settings.erase(key);
   Options options = options_from(settings, part.path().string());
   for (const std::string& model : options.models)
     if (is_plugin_path(parse_model_request(model).name))
@@ -48,6 +49,20 @@ Options merged_options(const Options& own, Json settings, const PartFile& part) 
   options.walks_given = std::find(options.walk_settings.begin(), options.walk_settings.end(),
                                   WalkSetting::walks) != options.walk_settings.end();
   return options;
+}
+
+// Those of a mean over a map, none for other runs.
+std::vector<Stack> texels_of(const PartFile& part, const std::string& where,
+                             const std::string& name) {
+  std::vector<Stack> texels;
+  const Json texts = part.header().value("texels", Json::array());
+  for (const Json& text : texts) {
+    if (!text.is_string()) part.refuse("found texels that are none");
+    texels.push_back(with_surface_model(parse_stack(text.get<std::string>(), where, name)));
+  }
+  if (part.header().at("settings").value("texels", Json()) != Json(content_hash(texts.dump())))
+    part.refuse("its texels are not those of its settings: it is damaged");
+  return texels;
 }
 
 std::vector<std::string> words_of(const PartFile& part, const Json& settings) {
@@ -99,6 +114,7 @@ int merge_command(const Options& options, const std::vector<std::string>& paths,
       first.text("files"), folder, where);
   if (settings.value("stack", Json()) != Json(to_toml(with_bare_names(run.stack))))
     first.refuse("its stack is not that of its settings: it is damaged");
+  run.texels = texels_of(first, where, run.stack.name);
   run.words = words_of(first, settings);
   run.pictures = pictures;
   run.folder = folder.string();

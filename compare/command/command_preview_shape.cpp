@@ -6,6 +6,7 @@
 
 #include "compare/command/command.h"
 #include "compare/command/lamp_option.h"
+#include "compare/command/mapped_table.h"
 #include "compare/command/picture_options.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
@@ -14,6 +15,7 @@
 #include "compare/options/progress.h"
 #include "compare/render/path_report.h"
 #include "compare/report/json_report.h"
+#include "compare/report/wrapped_text.h"
 #include "compare/request/errors.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/model_request.h"
@@ -64,11 +66,6 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
     return options.white ? with_surface_model(whitened(std::move(one))) : one;
   };
   const Stack stack = shown(mapped ? surface.at(0.5, 0.5) : stack_of(options));
-  if (mapped && options.table)
-    throw UsageError(fmt::format(
-        "--table: found {}, which has pictures among its values; allowed: a stack that is the same "
-        "everywhere (--at U,V)",
-        stack.name));
   TruthRequest request = truth_request(options, stack);
   const std::vector<PictureFormat> formats = picture_formats_of(pictures);
   const LightDome light = dome_of(options);
@@ -100,6 +97,7 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
   const RunMonitor monitor = terminal_monitor(options);
 
   std::optional<LobeTable> table;
+  std::optional<MapTable> mapped_table;
   if (options.table) {
     check_preview("preview --table", stack);
     if (truth->transmits())
@@ -107,8 +105,12 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
           "--table: found {}, through which light passes, while the table has reflection alone; "
           "allowed: a stack that is opaque below",
           stack.name));
-    table = LobeTable::make(request, monitor.stop, monitor.solver);
-    if (monitor.finished) monitor.finished();
+    if (mapped) {
+      mapped_table = map_table(surface, request, shown, monitor);
+    } else {
+      table = LobeTable::make(request, monitor.stop, monitor.solver);
+      if (monitor.finished) monitor.finished();
+    }
   }
   const PathSettings settings = settings_of(options);
   std::vector<NamedPicture> found;
@@ -159,6 +161,7 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
                              return table->specular(wo);
                            })
                                                  : std::function<Rgb(Direction)>()));
+  if (mapped_table) add("table", "table", *mapped_table_surface(surface, *mapped_table, shown));
   inputs.check();
   write_path_files(folder, found, run, formats, inputs);
   nlohmann::ordered_json answer = json_header("preview", request);
@@ -170,6 +173,7 @@ int preview_shape_command(const Options& options, const std::vector<std::string>
     fmt::print(out, "{}: {}, paths of up to {} surface{}{}\n{}", stack.name, options.shape,
                options.depth, options.depth == 1 ? "" : "s", mapped ? ", with maps" : "",
                picture_table(found));
+    if (mapped_table) fmt::print(out, "{}", wrapped("table: ", mapped_table->source(), 2));
     fmt::print(out, "\nwrote {}/: picture.exr{}\n{}", folder,
                formats.empty() ? "" : fmt::format(" and pictures ({})", endings_text(formats)),
                absent_pictures_text());

@@ -39,6 +39,15 @@ Json json_of(const std::vector<Finding>& findings) {
   return all;
 }
 
+// "6 rows and a.png b.png", "nothing".
+std::string kept_text(std::size_t rows, const std::vector<std::string>& pictures) {
+  std::string text;
+  if (rows > 0) text = fmt::format("{} row{}", rows, rows == 1 ? "" : "s");
+  if (!pictures.empty())
+    text += fmt::format("{}{}", rows > 0 ? " and " : "", fmt::join(pictures, " "));
+  return text.empty() ? "nothing" : text;
+}
+
 // Runs one and adds its answer to `to`.
 void reproduce(const Reproduction& reproduction, const Options& options, std::FILE* out,
                const std::string& folder, const std::vector<std::string>& pictures, Json& to) {
@@ -55,11 +64,21 @@ void reproduce(const Reproduction& reproduction, const Options& options, std::FI
     fmt::print(out, "{}{}\n", wrapped(reproduction.name + ": ", reproduction.source, 4),
                wrapped("", reproduction.doc));
   to["walks"] = context.walks;
-  const double seconds = wall_seconds_of([&] { to["rows"] = reproduction.run(context); });
+  const double seconds = wall_seconds_of([&] {
+    try {
+      to["rows"] = reproduction.run(context);
+    } catch (const FigureStopped&) {
+      to["rows"] = Json::array();
+    }
+  });
   to["findings"] = json_of(context.findings);
   to["pictures"] = context.pictures;
   to["seconds"] = seconds;
-  if (!context.table) return;
+  to["interrupted"] = user_interrupt.load();
+  if (user_interrupt && !options.quiet)
+    fmt::print(stderr, "lamella: interrupted: {} is not whole; kept: {}\n", reproduction.name,
+               kept_text(to["rows"].size(), context.pictures));
+  if (!context.table || (context.pictures.empty() && !context.formats.empty())) return;
   if (context.formats.empty())
     fmt::print(out, "\n{}", absent_pictures_text());
   else
@@ -130,14 +149,14 @@ int reproduce_command(const Options& options, const std::string& name,
     if (found->has_grains) GrainScene::require_available();
   }
   const std::string folder = !options.output.empty() ? options.output
-                             : found                 ? name
+                             : found                 ? found->name
                                                      : "lamella-reproduce";
   make_output_folder(folder);
   const FolderLock lock(folder);
   catch_interrupts();
   answer["quality"] = options.quality;
   if (found) {
-    answer["name"] = name;
+    answer["name"] = found->name;
     answer["source"] = found->source;
     reproduce(*found, options, out, folder, pictures, answer);
   } else {

@@ -8,6 +8,7 @@
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
+#include "compare/report/map_error.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
@@ -70,26 +71,33 @@ void print_run(std::FILE* out, const RunResult& run) {
 
 int simulate_run(const DividedRun& run_of, const RunMonitor& monitor) {
   const Options& options = run_of.options;
-  TruthRequest request = truth_request(options, run_of.stack);
-  request.texels = run_of.texels;
+  const TruthRequest request = request_of(run_of);
   const InputFiles inputs(request.stack);
   const Stack& stack = request.stack;
   GroundTruth truth(request, Estimator::analog, monitor);
   if (!options.output.empty()) check_output_file(options.output);
-  std::vector<RunResult> runs;
-  for (std::size_t k = 0; truth.goes_on(k); ++k) runs.push_back(truth.find(k).run);
+  std::vector<RunResult> runs, map_errors;
+  for (std::size_t k = 0; truth.goes_on(k); ++k) {
+    Truth found = truth.find(k);
+    runs.push_back(std::move(found.run));
+    if (found.map_error) map_errors.push_back(std::move(*found.map_error));
+  }
   inputs.check();
   std::FILE* out = table_stream(options);
   if (!options.quiet) {
     fmt::print(out, "{}: {}, energies as fractions of the incident light{}\n", stack.name,
                estimator_text(truth.choice(), request),
                truth.plan().channels == 3 ? " (r g b)" : "");
-    for (const RunResult& run : runs) print_run(out, run);
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      print_run(out, runs[k]);
+      if (!map_errors.empty()) fmt::print(out, "{}", map_error_text(map_errors[k], 2));
+    }
     if (user_interrupt) fmt::print(out, "interrupted: what was done until then\n");
   }
   if (!options.output.empty()) {
     const auto folder = std::filesystem::path(options.output).parent_path();
     ExrImage image = simulation_image(named_for_image(request, folder), runs);
+    add_map_errors(image, map_errors);
     record_files(image, inputs, folder);
     write_exr(options.output, image);
     if (!options.quiet) fmt::print(out, "wrote {}\n", options.output);
@@ -102,6 +110,7 @@ int simulate_run(const DividedRun& run_of, const RunMonitor& monitor) {
     collisions += run.collisions;
     seconds += run.seconds;
     list.push_back(to_json(run));
+    if (!map_errors.empty()) list.back()["map_error"] = map_error_json(map_errors[list.size() - 1]);
   }
   add_choice(answer, truth.choice(), request);
   answer["walks"] = runs.front().walks;

@@ -30,6 +30,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPartEnding = ".part";
 
+// Each as its stack file; layers of a map are homogeneous and name no files.
+Json texel_texts(const std::vector<Stack>& texels) {
+  Json texts = Json::array();
+  for (const Stack& texel : texels) texts.push_back(to_toml(texel));
+  return texts;
+}
+
 Json header_of(const DividedRun& run, const Shard& shard, bool checkpoint, const fs::path& file) {
   const InputFiles inputs(run.stack);
   const fs::path folder = file.parent_path();
@@ -38,6 +45,7 @@ Json header_of(const DividedRun& run, const Shard& shard, bool checkpoint, const
           {"part", {shard.index, shard.count}},
           {"checkpoint", checkpoint},
           {"stack", to_toml(with_files_relative_to(run.stack, folder))},
+          {"texels", texel_texts(run.texels)},
           {"files", inputs.text(folder)},
           {"settings", identity_of(run, inputs)}};
 }
@@ -138,6 +146,7 @@ Json identity_of(const DividedRun& run, const InputFiles& inputs) {
   Json settings = settings_json(run.options);
   settings["stack"] = to_toml(with_bare_names(run.stack));
   settings["stack_name"] = run.stack.name;
+  settings["texels"] = content_hash(texel_texts(run.texels).dump());
   settings["words"] = run.words;
   settings["input"] = content_hash(run.input);
   settings["files"] = Json::array();
@@ -172,8 +181,6 @@ PartWork find_part(const DividedCommand& command, const DividedRun& run, const S
 int do_divided(const DividedCommand& command, const DividedRun& run) {
   const Options& options = run.options;
   Ranks* const ranks = started_ranks();
-  if (ranks && !run.texels.empty())
-    throw UsageError("--at: found mean with mpirun; allowed: --at U,V, or one process");
   check_output(command, options, !options.shard.empty());
   if (options.checkpoint_every && options.checkpoint.empty())
     throw UsageError("--checkpoint-every: found no --checkpoint; allowed: beside it");
@@ -213,8 +220,14 @@ Stack with_bare_names(Stack stack) {
   return stack;
 }
 
+TruthRequest request_of(const DividedRun& run) {
+  TruthRequest request = truth_request(run.options, run.stack);
+  request.texels = run.texels;
+  return request;
+}
+
 void find_truths(const DividedRun& run, const RunMonitor& monitor) {
-  GroundTruth truth(truth_request(run.options, run.stack), Estimator::analog, monitor);
+  GroundTruth truth(request_of(run), Estimator::analog, monitor);
   for (std::size_t k = 0; truth.goes_on(k); ++k) (void)truth.find(k);
 }
 

@@ -24,7 +24,7 @@ struct DividedRun {
   std::string input{};                  ///< of eval: the pairs as CSV
   std::vector<std::string> pictures{};  ///< names of formats
   std::string folder{};                 ///< that answers of a sweep's points name files from
-  std::vector<Stack> texels{};          ///< TruthRequest::texels: such a run is not divided
+  std::vector<Stack> texels{};          ///< TruthRequest::texels
 };
 
 /// A command that can be divided.
@@ -87,6 +87,9 @@ void check_walks_are_given(const TruthRequest& request);
 
 /// The stack with its files named by their last names: the same for every place of the files.
 [[nodiscard]] Stack with_bare_names(Stack stack);
+
+/// The request for a run's truth, texels included.
+[[nodiscard]] TruthRequest request_of(const DividedRun& run);
 
 /// Finds the truth of every direction.
 void find_truths(const DividedRun& run, const RunMonitor& monitor);

@@ -53,8 +53,14 @@ FitTargetSource fit_target_source(const Options& options) {
   return source;
 }
 
+bool has_other_directions(const Options& options) { return !is_lobe_file(options.stack); }
+
 TargetTruths target_of(const Options& options, const FitTargetSource& source,
-                       const RunMonitor& monitor) {
+                       const RunMonitor& monitor, const std::vector<Direction>& others) {
+  const auto along = [&](TruthRequest request) {
+    if (!others.empty()) request.directions = others;
+    return request;
+  };
   const std::optional<BoundModel>& closed = source.model;
   const std::string& text = options.stack;
   const std::string stem = std::filesystem::path(text).stem().string();
@@ -71,14 +77,14 @@ TargetTruths target_of(const Options& options, const FitTargetSource& source,
     return target;
   }
   if (is_measured_file(text)) {
-    const TruthRequest request = request_for(stem, options);
+    const TruthRequest request = along(request_for(stem, options));
     const std::unique_ptr<Model> measured = read_brdf(read_format_file(text), text);
     return truths_of(*measured, measured_info("measured"), 3, request, monitor);
   }
   if (closed)
     return truths_of(*closed->model, *closed->info, closed->parameters.has_color() ? 3 : 1,
-                     request_for(closed->info->name, options), monitor);
-  GroundTruth truth(truth_request(options, source.stack), Estimator::analog, monitor);
+                     along(request_for(closed->info->name, options)), monitor);
+  GroundTruth truth(along(truth_request(options, source.stack)), Estimator::analog, monitor);
   return truths_of(truth);
 }
 

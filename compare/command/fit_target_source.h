@@ -17,8 +17,12 @@ struct FitTargetSource {
   Stack stack{};
 };
 [[nodiscard]] FitTargetSource fit_target_source(const Options& options);
-/// Its lobes. Throws UsageError for options that it has no use for.
+/// Its lobes, along the directions of the options or along others in their place. Throws UsageError
+/// for options that it has no use for.
 [[nodiscard]] TargetTruths target_of(const Options& options, const FitTargetSource& source,
-                                     const RunMonitor& monitor);
+                                     const RunMonitor& monitor,
+                                     const std::vector<Direction>& others = {});
+/// Whether it has lobes along other directions than those: a file of lobes has not.
+[[nodiscard]] bool has_other_directions(const Options& options);
 
 }  // namespace lamella

@@ -18,7 +18,8 @@ double MultipleLobes::relative_noise() const {
 }
 
 MultipleLobes multiple_lobes(const Stack& stack, const std::vector<Direction>& incident,
-                             const CellGrid& grid, std::uint64_t walks, std::uint64_t seed) {
+                             const CellGrid& grid, std::uint64_t walks, std::uint64_t seed,
+                             const StopFlag* stop) {
   Plan plan = make_plan(stack, {.max_order = kMaxOrder, .thinning = Thinning{}});
   plan.isa = isa_from_text("auto");
   MultipleLobes lobes{
@@ -31,7 +32,7 @@ MultipleLobes multiple_lobes(const Stack& stack, const std::vector<Direction>& i
     std::fill(sum.begin(), sum.end(), 0.0);
     std::fill(squares.begin(), squares.end(), 0.0);
     const double phi = azimuth(incident[d]);
-    for (std::uint64_t chunk = 0; chunk < run.chunks(walks); ++chunk) {
+    for (std::uint64_t chunk = 0; chunk < run.chunks(walks) && !is_set(stop); ++chunk) {
       const WalkSamples rows = run.take(chunk, walks);
       for (std::size_t k = 0; k < rows.count(); ++k) {
         if (rows.order[k] < 2 || std::abs(rows.side[k]) != 1) continue;

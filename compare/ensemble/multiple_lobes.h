@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "compare/request/interrupt.h"
 #include "phase/stack/stack.h"
 #include "volume/result/cell_grid.h"
 
@@ -26,10 +27,11 @@ struct MultipleLobes {
 
 /// Walks without thinning, cut after kMaxOrder events, on the lanes of this machine; in the calling
 /// thread. `seed`: of these walks alone; every direction has its own numbers. Throws
-/// std::invalid_argument for what SampleRun refuses, NonFiniteError.
+/// std::invalid_argument for what SampleRun refuses, NonFiniteError. Once `stop` is set what it
+/// returns is not whole.
 [[nodiscard]] MultipleLobes multiple_lobes(const Stack& stack,
                                            const std::vector<Direction>& incident,
                                            const CellGrid& grid, std::uint64_t walks,
-                                           std::uint64_t seed);
+                                           std::uint64_t seed, const StopFlag* stop = nullptr);
 
 }  // namespace lamella

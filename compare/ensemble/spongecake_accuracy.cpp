@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "compare/ensemble/lobe_dataset.h"
@@ -25,17 +26,36 @@ Direction point_of(Direction wi, const CellGrid& grid, int row, int column, doub
   return direction_from_mu_phi((up ? 1 : -1) * std::sqrt(mu2), phi);
 }
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 double squares(Rgb c) { return c.r * c.r + c.g * c.g + c.b * c.b; }
 double sum(Rgb c) { return c.r + c.g + c.b; }
 
-SpongecakeAccuracy measured(const LobeDatum& datum) {
+// Far from the seeds of the directions that fits are judged on.
+constexpr std::uint64_t kOtherDirections = std::uint64_t{1} << 48;
+
+// The stack's truth along directions that it is not judged on.
+MultipleLobes elsewhere(const LobeDatasetPlan& plan, std::uint64_t number, const Stack& stack) {
+  const std::uint64_t seed = plan.seed + kOtherDirections;
+  return multiple_lobes(
+      stack, random_directions(plan.directions, plan.layers, seed, number), plan.grid, plan.walks,
+      seed + (((number + 1) * 16 + static_cast<std::uint64_t>(plan.layers)) << 8));
+}
+
+SpongecakeAccuracy measured(const LobeDatasetPlan& plan, std::uint64_t number) {
+  const LobeDatum datum = lobe_datum(plan, number);
   const SpongecakeTrial trial(datum.stack, datum.lobes);
   SpongecakeAccuracy row{.stack = datum.stack,
                          .noise = datum.lobes.relative_noise(),
                          .multiple_share = trial.multiple_share(),
                          .nothing = trial.errors_of(std::nullopt),
                          .network = trial.errors_of(predicted_lobes(datum.stack))};
-  if (has_least_squares()) row.fit = trial.errors_of(trial.best());
+  if (!has_least_squares()) return row;
+  row.fit = trial.errors_of(trial.best());
+  row.fit_elsewhere =
+      trial.errors_of(SpongecakeTrial(datum.stack, elsewhere(plan, number, datum.stack)).best());
   return row;
 }
 
@@ -71,7 +91,7 @@ SpongecakeTrial::SpongecakeTrial(const Stack& stack, const MultipleLobes& truth)
       }
 }
 
-SpongecakeLobes SpongecakeTrial::best() const {
+SpongecakeLobes SpongecakeTrial::best(const StopFlag* stop) const {
   std::vector<LobeCell> cells;
   for (std::size_t k = 0; k < truth_.size(); ++k) {
     const Direction wi = incident_[direction_[k]];
@@ -82,7 +102,7 @@ SpongecakeLobes SpongecakeTrial::best() const {
                      .variance = variance_[k],
                      .reflected = reflected_[k]});
   }
-  return fit_two_lobes(stack_, cells, stack_.is_grey() ? 1 : 3).lobes;
+  return fit_two_lobes(stack_, cells, stack_.is_grey() ? 1 : 3, stop).lobes;
 }
 
 std::vector<Rgb> SpongecakeTrial::values(const SpongecakeLobes& lobes) const {
@@ -128,6 +148,7 @@ double SpongecakeTrial::multiple_share() const {
 
 void measure_spongecake_accuracy(const AccuracyEnsemble& ensemble, const RunMonitor& monitor,
                                  const std::function<void(const SpongecakeAccuracy&)>& take) {
+  const auto start = std::chrono::steady_clock::now();
   for (const int layers : {1, 2}) {
     const std::uint64_t count = layers == 1 ? ensemble.one_layer : ensemble.two_layers;
     const LobeDatasetPlan plan{.layers = layers,
@@ -136,9 +157,12 @@ void measure_spongecake_accuracy(const AccuracyEnsemble& ensemble, const RunMoni
                                .seed = ensemble.seed,
                                .directions = ensemble.directions};
     for (std::uint64_t first = 0; first < count && !monitor.is_stopped(); first += kStacksAtOnce) {
+      if (monitor.progress)
+        monitor.progress(layers == 1 ? "stacks of one layer" : "stacks of two layers",
+                         {first, count, seconds_since(start)});
       std::vector<SpongecakeAccuracy> rows(std::min(kStacksAtOnce, count - first));
       tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t k) {
-        if (!monitor.is_stopped()) rows[k] = measured(lobe_datum(plan, first + k));
+        if (!monitor.is_stopped()) rows[k] = measured(plan, first + k);
       });
       if (monitor.is_stopped()) return;
       for (const SpongecakeAccuracy& row : rows) take(row);

@@ -27,7 +27,9 @@ struct SpongecakeAccuracy {
   /// Share of the energy that orders 2 and up are of all that is scattered.
   double multiple_share = 0;
   LobeErrors nothing, network;
-  std::optional<LobeErrors> fit{};  ///< absent without Ceres
+  /// Absent without Ceres. `fit` is fitted to the cells that it is judged on, the least that the
+  /// form can leave there; `fit_elsewhere` to as many directions of its own.
+  std::optional<LobeErrors> fit{}, fit_elsewhere{};
 };
 
 /// What the measurement runs over: stacks of an ensemble whose seed is not that of the training.
@@ -36,7 +38,8 @@ struct AccuracyEnsemble {
   int directions = 4;
 };
 
-/// One stack after the other, in order; until the monitor says stop. Throws NonFiniteError.
+/// One stack after the other, in order; until the monitor says stop. The monitor's progress counts
+/// stacks. Throws NonFiniteError.
 void measure_spongecake_accuracy(const AccuracyEnsemble& ensemble, const RunMonitor& monitor,
                                  const std::function<void(const SpongecakeAccuracy&)>& take);
 
@@ -46,7 +49,7 @@ class SpongecakeTrial {
   SpongecakeTrial(const Stack& stack, const MultipleLobes& truth);
 
   /// fit_two_lobes.
-  [[nodiscard]] SpongecakeLobes best() const;
+  [[nodiscard]] SpongecakeLobes best(const StopFlag* stop = nullptr) const;
   /// None: nothing in their place.
   [[nodiscard]] LobeErrors errors_of(const std::optional<SpongecakeLobes>& lobes) const;
   [[nodiscard]] double multiple_share() const;

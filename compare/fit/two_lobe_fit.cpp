@@ -91,7 +91,7 @@ class Search {
     if (!(square_ > 0)) throw std::invalid_argument("the stack has no multiple scattering to fit");
   }
 
-  [[nodiscard]] TwoLobeFit find() const {
+  [[nodiscard]] TwoLobeFit find(const StopFlag* stop) const {
     TwoLobeFit fit;
     double least = std::numeric_limits<double>::infinity();
     std::vector<double> best;
@@ -103,13 +103,15 @@ class Search {
         }};
     std::vector<double> residuals(problem.residuals);
     for (const bool rough : {false, true}) {
+      if (is_set(stop) && !best.empty()) break;
       std::vector<double> x = start(rough);
       double cost = 0;
       if (x.empty()) {
         (void)residuals_at(x, residuals);
         for (const double r : residuals) cost += 0.5 * r * r;
       } else {
-        UnitMinimum found = minimum_from(problem, x, {kIterations, kTolerance, {}});
+        UnitMinimum found =
+            minimum_from(problem, x, {kIterations, kTolerance, [stop] { return is_set(stop); }});
         fit.iterations += found.iterations;
         cost = found.cost;
         x = std::move(found.x);
@@ -281,8 +283,9 @@ Rgb value_of(const Stack& second, const SpongecakeLobes& lobes, const LobeCell& 
          1 / kPi * (cell.reflected ? lobes.reflect : lobes.transmit);
 }
 
-TwoLobeFit fit_two_lobes(const Stack& stack, const std::vector<LobeCell>& cells, int channels) {
-  return Search(stack, cells, channels).find();
+TwoLobeFit fit_two_lobes(const Stack& stack, const std::vector<LobeCell>& cells, int channels,
+                         const StopFlag* stop) {
+  return Search(stack, cells, channels).find(stop);
 }
 
 }  // namespace lamella

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "analytic/layered/spongecake.h"
+#include "compare/request/interrupt.h"
 #include "phase/stack/stack.h"
 
 namespace lamella {
@@ -43,7 +44,8 @@ struct TwoLobeFit {
 /// (Levenberg and Marquardt's, from two starts) has but two numbers per layer: variable projection,
 /// Golub and Pereyra 1973. Layers beyond the kSpongecakeLayers-th share that one's factors and keep
 /// their f0. channels: 1 or 3. Throws std::invalid_argument where the truth is 0 everywhere.
+/// `stop`, once set, ends the search at the next step.
 [[nodiscard]] TwoLobeFit fit_two_lobes(const Stack& stack, const std::vector<LobeCell>& cells,
-                                       int channels);
+                                       int channels, const StopFlag* stop = nullptr);
 
 }  // namespace lamella

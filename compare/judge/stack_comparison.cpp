@@ -22,6 +22,7 @@ StackComparison comparison_of(const std::vector<BoundModel>& models) {
 
 void add_truth(StackComparison& comparison, const Truth& truth, const Plan& plan) {
   comparison.runs.push_back(truth.run);
+  if (truth.map_error) comparison.map_errors.push_back(*truth.map_error);
   for (JudgedModel& m : comparison.models)
     for (LobeComparison& l : judge(truth, plan, *m.bound)) m.lobes.push_back(std::move(l));
 }

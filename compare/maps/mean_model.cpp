@@ -92,6 +92,25 @@ class TexelMean final : public StochasticModel {
   std::size_t first_, stride_;
 };
 
+// The same without noise.
+class SolvedMean final : public Model {
+ public:
+  SolvedMean(int lobes, TexelMean mean) : Model(lobes), mean_(std::move(mean)) {}
+
+  [[nodiscard]] Rgb eval_lobe(int lobe, Direction wi, Direction wo) const override {
+    return mean_.eval_lobe(lobe, wi, wo);
+  }
+  [[nodiscard]] Rgb eval(Direction wi, Direction wo) const override { return mean_.eval(wi, wo); }
+  void eval(std::span<const DirectionPair> pairs, std::span<Rgb> values, Isa isa) const override {
+    mean_.eval(pairs, values, isa);
+  }
+  [[nodiscard]] double uncollided(Direction wi) const override { return mean_.uncollided(wi); }
+  [[nodiscard]] Rgb specular(Direction wi) const override { return mean_.specular(wi); }
+
+ private:
+  TexelMean mean_;
+};
+
 // The mean of a number or colour over the texels; nothing where it is the same in all.
 std::optional<ParameterValue> mean_value(const std::vector<BoundModel>& texels,
                                          const std::string& key) {
@@ -116,7 +135,7 @@ std::optional<ParameterValue> mean_value(const std::vector<BoundModel>& texels,
 
 }  // namespace
 
-BoundModel mean_over_texels(std::vector<BoundModel> texels) {
+BoundModel mean_over_texels(std::vector<BoundModel> texels, bool solved) {
   BoundModel out;
   out.info = texels.front().info;
   out.parameters = texels.front().parameters;
@@ -130,8 +149,12 @@ BoundModel mean_over_texels(std::vector<BoundModel> texels) {
     }
   auto models = std::make_shared<Texels>();
   for (BoundModel& texel : texels) models->push_back(std::move(texel.model));
-  out.model = std::make_unique<TexelMean>(static_cast<int>(out.info->lobes.size()),
-                                          std::move(models), 0, 1);
+  const int lobes = static_cast<int>(out.info->lobes.size());
+  TexelMean mean(lobes, std::move(models), 0, 1);
+  if (solved)
+    out.model = std::make_unique<SolvedMean>(lobes, std::move(mean));
+  else
+    out.model = std::make_unique<TexelMean>(std::move(mean));
   return out;
 }
 

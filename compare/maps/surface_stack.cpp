@@ -38,10 +38,22 @@ int SurfaceStack::rows() const {
   return most;
 }
 
-Stack SurfaceStack::at(double u, double v) const {
+Stack SurfaceStack::at(double u, double v) const { return with(values(u, v)); }
+
+std::vector<ParameterValue> SurfaceStack::values(double u, double v) const {
   std::vector<ParameterValue> values;
   for (const ValueMap& map : maps_) values.push_back(map.at(u, v));
+  return values;
+}
+
+Stack SurfaceStack::with(const std::vector<ParameterValue>& values) const {
   return with_surface_model(stack_.with(values));
+}
+
+std::vector<std::string> SurfaceStack::paths() const {
+  std::vector<std::string> paths;
+  for (const MappedKey& key : stack_.maps()) paths.push_back(key.path());
+  return paths;
 }
 
 std::vector<Stack> SurfaceStack::texels(std::uint64_t seed) const {

@@ -30,6 +30,11 @@ class SurfaceStack {
 
   /// The stack of a place, its surface model ready for walks. Throws StackFileError.
   [[nodiscard]] Stack at(double u, double v) const;
+  /// The values of the maps' keys at a place, and the stack with such values.
+  [[nodiscard]] std::vector<ParameterValue> values(double u, double v) const;
+  [[nodiscard]] Stack with(const std::vector<ParameterValue>& values) const;
+  /// The key of each map: "layer.0.albedo".
+  [[nodiscard]] std::vector<std::string> paths() const;
   /// Stacks whose mean stands for the whole map: one in each of kTexelSide^2 equal squares, at
   /// random places of the seed, row by row from v = 0.
   [[nodiscard]] std::vector<Stack> texels(std::uint64_t seed) const;

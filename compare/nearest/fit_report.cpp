@@ -132,15 +132,18 @@ std::string fit_summary(const TargetTruths& target, const NearestModels& nearest
     text += wrapped("", fmt::format("lobes of the stack {}: {}", nearest.fits.front().request.name,
                                     nearest.fits.front().estimator));
   const bool logs = nearest.norm == FitNorm::logarithmic;
-  text += fmt::format("\n  rank {:<28} {}{:>10} {:>10}\n",
+  const HeldOut& held_out = nearest.held_out;
+  const bool judged = !held_out.directions.empty();
+  text += fmt::format("\n  rank {:<28} {}{:>10} {:>10}{}\n",
                       nearest.fits.front().info ? "model" : "stack", logs ? " in ln f  " : "",
-                      "rel. RMSE", "no noise");
-  int rank = 0;
-  for (const ModelFit& fit : nearest.fits) {
+                      "rel. RMSE", "no noise", judged ? "   held out" : "");
+  for (std::size_t k = 0; k < nearest.fits.size(); ++k) {
+    const ModelFit& fit = nearest.fits[k];
     text +=
-        fmt::format("  {:>4} {:<28} {}{:>10} {:>10}\n", ++rank, fit.request.name,
+        fmt::format("  {:>4} {:<28} {}{:>10} {:>10}{}\n", k + 1, fit.request.name,
                     logs ? fmt::format("{:>8.4f}  ", fit.misfit) : "",
-                    percent_cell(fit.relative_rmse), percent_cell(fit.relative_rmse_without_noise));
+                    percent_cell(fit.relative_rmse), percent_cell(fit.relative_rmse_without_noise),
+                    judged ? fmt::format(" {:>10}", percent_cell(held_out.relative_rmse[k])) : "");
     text += wrapped("       ", found_text(fit));
   }
   for (const std::string& why : nearest.refused) text += wrapped("     - ", why);
@@ -154,6 +157,14 @@ std::string fit_summary(const TargetTruths& target, const NearestModels& nearest
   if (missing > 0)
     text += fmt::format("walks were cut: the truth's energies are too low by {:.1e} at most\n",
                         missing);
+  if (judged) {
+    std::string angles;
+    for (const Direction wi : held_out.directions)
+      angles += fmt::format("{}{:g}", angles.empty() ? "" : ", ", theta_degrees(wi));
+    text += "\n" + wrapped("", fmt::format("held out: without noise, on incident directions that "
+                                           "nothing was fitted to, theta_i {}",
+                                           angles));
+  }
   text += "\n";
   text += wrapped("",
                   "+-: one standard deviation, as if what is left over were independent from cell "
@@ -174,7 +185,14 @@ Json fit_json(const TargetTruths& target, const NearestModels& nearest) {
   answer["norm"] = to_text(nearest.norm);
   answer["sides"] = nearest.transmitted ? "all" : "reflect";
   answer["models"] = Json::array();
-  for (const ModelFit& fit : nearest.fits) answer["models"].push_back(to_json(fit));
+  for (std::size_t k = 0; k < nearest.fits.size(); ++k) {
+    Json one = to_json(nearest.fits[k]);
+    if (!nearest.held_out.directions.empty())
+      one["held_out_relative_rmse"] = nearest.held_out.relative_rmse[k];
+    answer["models"].push_back(std::move(one));
+  }
+  for (const Direction wi : nearest.held_out.directions)
+    answer["held_out"].push_back({{"mu_i", wi.z}, {"phi_i", phi_degrees(wi)}});
   answer["refused"] = nearest.refused;
   return answer;
 }

@@ -9,6 +9,13 @@
 
 namespace lamella {
 
+/// How far fits are from the truth along incident directions that they were not made on
+/// (held_out.h): relative RMSE without noise, as FitNorm::relative has it. Empty: not asked for.
+struct HeldOut {
+  std::vector<Direction> directions;
+  std::vector<double> relative_rmse;  ///< of each fit
+};
+
 /// Closed forms with the parameters that bring each nearest to a target, the nearest first.
 struct NearestModels {
   FitNorm norm = FitNorm::relative;
@@ -16,6 +23,7 @@ struct NearestModels {
   std::vector<ModelFit> fits;
   std::vector<std::string> refused;  ///< models that had no values there, one line each
   bool interrupted = false;
+  HeldOut held_out{};
 };
 
 /// The sides that count: both, or the reflected one.

@@ -124,9 +124,6 @@ void refuse_place(const Options& options, const std::string& what) {
 StackOrMean stack_or_mean_of(const Options& options) {
   const SurfaceStack surface = surface_of(options);
   if (auto stack = stack_at_place(options, surface, true)) return {std::move(*stack), {}};
-  if (!options.shard.empty() || !options.checkpoint.empty())
-    throw UsageError(
-        "--at: found mean beside --shard or --checkpoint; allowed: --at U,V, or neither of them");
   std::vector<Stack> texels = surface.texels(options.seed);
   for (Stack& texel : texels) texel.name += fmt::format("@{}", kMeanPlace);
   return {texels.front(), texels};

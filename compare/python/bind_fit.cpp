@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "compare/fit/least_squares.h"
+#include "compare/nearest/held_out.h"
 #include "compare/nearest/nearest_models.h"
 #include "compare/nearest/stack_fit.h"
 #include "compare/python/bindings.h"
@@ -40,8 +41,14 @@ struct PythonFits {
   }
 };
 
+// `others`: directions in the place of those of the options; lobes have their own alone.
 TargetTruths target_of(const PythonLobes* lobes, const PythonModel* model, const Stack* stack,
-                       const Options& options, const RunMonitor& monitor) {
+                       const Options& options, const RunMonitor& monitor,
+                       const std::vector<Direction>& others = {}) {
+  const auto along = [&](TruthRequest request) {
+    if (!others.empty()) request.directions = others;
+    return request;
+  };
   if (lobes) {
     TargetTruths found = truths_of(lobes->set, "lobes");
     found.request.isa = isa_of(options);
@@ -53,9 +60,10 @@ TargetTruths target_of(const PythonLobes* lobes, const PythonModel* model, const
     request.directions = incident_directions(options, Stack{});
     request.cells = parse_grid(options.grid);
     request.isa = isa_of(options);
-    return truths_of(*model->bound.model, *model->bound.info, model->channels, request, monitor);
+    return truths_of(*model->bound.model, *model->bound.info, model->channels, along(request),
+                     monitor);
   }
-  GroundTruth truth(truth_request(options, *stack), Estimator::analog, monitor);
+  GroundTruth truth(along(truth_request(options, *stack)), Estimator::analog, monitor);
   return truths_of(truth);
 }
 
@@ -100,6 +108,10 @@ py::tuple fit(const py::object& target, const std::vector<py::object>& models,
     fits->nearest = nearest_models(fits->target, parametric,
                                    norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
                                    sides == "reflect" ? FitSides::reflect : FitSides::all, monitor);
+    if (!lobes && !monitor.is_stopped())
+      if (const auto others = held_out_directions(fits->target.request.directions); !others.empty())
+        judge_held_out(fits->nearest,
+                       target_of(lobes, fits->given.get(), stack, options, monitor, others));
     fits->inputs.check();
   });
   return py::make_tuple(std::move(fits), end.warnings);

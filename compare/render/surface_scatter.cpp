@@ -157,18 +157,16 @@ class MappedClosedSurface final : public SurfaceScatter {
 
 class TabulatedSurface final : public SurfaceScatter {
  public:
-  TabulatedSurface(std::function<std::function<Rgb(Direction)>(Direction)> towards,
-                   std::function<Rgb(Direction)> specular)
-      : towards_(std::move(towards)), specular_(std::move(specular)) {}
+  explicit TabulatedSurface(TableOfPlaces table) : table_(std::move(table)) {}
 
   [[nodiscard]] bool transmits() const override { return false; }
   [[nodiscard]] double uncollided(double, double, Direction) const override { return 0; }
 
-  [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
                                   std::uint64_t seed, std::uint64_t number) const override {
     RandomStream stream = sample_stream(seed, number);
-    const auto f = towards_(wo);
-    const Rgb mirror = specular_ ? specular_(wo) : Rgb();
+    const auto f = table_.towards(u, v, wo);
+    const Rgb mirror = table_.specular ? table_.specular(u, v, wo) : Rgb();
     const double p_mirror = std::min(0.5, mirror.max());
     Scattered out;
     if (wi && wi->z > 0) {
@@ -185,8 +183,7 @@ class TabulatedSurface final : public SurfaceScatter {
   }
 
  private:
-  std::function<std::function<Rgb(Direction)>(Direction)> towards_;
-  std::function<Rgb(Direction)> specular_;
+  TableOfPlaces table_;
 };
 
 }  // namespace
@@ -210,7 +207,15 @@ std::unique_ptr<SurfaceScatter> closed_surface(ModelOfPlaces model, bool transmi
 std::unique_ptr<SurfaceScatter> tabulated_surface(
     std::function<std::function<Rgb(Direction)>(Direction)> towards,
     std::function<Rgb(Direction)> specular) {
-  return std::make_unique<TabulatedSurface>(std::move(towards), std::move(specular));
+  TableOfPlaces table;
+  table.towards = [f = std::move(towards)](double, double, Direction wo) { return f(wo); };
+  if (specular)
+    table.specular = [f = std::move(specular)](double, double, Direction wo) { return f(wo); };
+  return tabulated_surface(std::move(table));
+}
+
+std::unique_ptr<SurfaceScatter> tabulated_surface(TableOfPlaces table) {
+  return std::make_unique<TabulatedSurface>(std::move(table));
 }
 
 }  // namespace lamella

@@ -70,4 +70,11 @@ struct ModelOfPlaces {
     std::function<std::function<Rgb(Direction)>(Direction wo)> towards,
     std::function<Rgb(Direction wo)> specular);
 
+/// The same where f varies over the surface.
+struct TableOfPlaces {
+  std::function<std::function<Rgb(Direction wi)>(double u, double v, Direction wo)> towards{};
+  std::function<Rgb(double u, double v, Direction wo)> specular{};  ///< absent: none
+};
+[[nodiscard]] std::unique_ptr<SurfaceScatter> tabulated_surface(TableOfPlaces table);
+
 }  // namespace lamella

@@ -10,6 +10,7 @@
 #include "compare/report/compare_page.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
+#include "compare/report/map_error.h"
 #include "compare/request/percent.h"
 #include "phase/math/degrees.h"
 #include "phase/math/luminance.h"
@@ -141,6 +142,8 @@ Json comparison_json(const TruthRequest& request, const StackComparison& compari
   answer["walks"] = comparison.runs.front().walks;
   answer["interrupted"] = comparison.interrupted;
   answer["agrees_within"] = kAgreesWithin;
+  for (const RunResult& error : comparison.map_errors)
+    answer["map_error"].push_back(map_error_json(error));
   answer["models"] = models_json(comparison.models);
   if (!comparison.beside.empty()) answer["side_by_side"] = to_json(comparison.beside);
   return answer;
@@ -158,6 +161,23 @@ Json comparison_details(const StackComparison& comparison) {
   return details;
 }
 
+namespace {
+
+// Of a mean over a map that was solved, what its texels leave beside the bounds of the table.
+std::string map_error_lines(const StackComparison& comparison) {
+  std::string text;
+  for (const RunResult& error : comparison.map_errors)
+    text +=
+        fmt::format("  theta_i {:g}\n{}", theta_degrees(error.incident), map_error_text(error, 4));
+  return text.empty()
+             ? text
+             : "\n  both truth and model are of the same texels, whose choice leaves of the "
+               "map's mean\n" +
+                   text;
+}
+
+}  // namespace
+
 std::string comparison_summary(const TruthRequest& request, const StackComparison& comparison) {
   const RunResult& first = comparison.runs.front();
   return fmt::format(
@@ -165,7 +185,7 @@ std::string comparison_summary(const TruthRequest& request, const StackCompariso
              first.is_bounded() ? "" : fmt::format("{} walks per direction, ", first.walks),
              estimator_text(comparison.choice, request),
              comparison.channels == 3 ? fmt::format("; energies: {}", kLuminanceName) : "") +
-         table(comparison.models, first.max_order) +
+         table(comparison.models, first.max_order) + map_error_lines(comparison) +
          (comparison.beside.empty() ? "" : side_by_side_table(comparison.beside));
 }
 
@@ -186,7 +206,9 @@ int write_comparison_files(const std::string& folder, const TruthRequest& reques
     pictures += write_comparison_pictures(folder, m.name, m.label, request.stack.name,
                                           comparison.runs, m.lobes, formats);
   }
-  write("truth", simulation_image(named, comparison.runs));
+  ExrImage truth = simulation_image(named, comparison.runs);
+  add_map_errors(truth, comparison.map_errors);
+  write("truth", std::move(truth));
   return pictures;
 }
 

@@ -136,6 +136,17 @@ ExrImage simulation_image(const TruthRequest& request, const std::vector<RunResu
   return image;
 }
 
+void add_map_errors(ExrImage& image, const std::vector<RunResult>& map_errors) {
+  for (std::size_t k = 0; k < map_errors.size(); ++k)
+    for (const bool reflected : {true, false}) {
+      const SideResult& side = reflected ? map_errors[k].reflected : map_errors[k].transmitted;
+      for (int o = 0; o < static_cast<int>(side.lobes.size()); ++o)
+        if (!side.lobes[o].value.empty())
+          add(image, static_cast<int>(k), reflected, static_cast<Order>(o), "map_error",
+              side.lobes[o].standard_error, map_errors[k].channels);
+    }
+}
+
 ExrImage comparison_image(const TruthRequest& request, const std::vector<RunResult>& runs,
                           const std::vector<LobeComparison>& lobes, const std::string& model) {
   ExrImage image = empty_image(request, runs);

@@ -23,6 +23,10 @@ namespace lamella {
 [[nodiscard]] ExrImage simulation_image(const TruthRequest& request,
                                         const std::vector<RunResult>& runs);
 
+/// Adds to it the standard errors that a sample of texels leaves of a map's mean
+/// (Truth::map_error), channels with the part "map_error"; nothing where there are none.
+void add_map_errors(ExrImage& image, const std::vector<RunResult>& map_errors);
+
 /// One model's comparisons as the channels of one image: truth, its standard error, model,
 /// difference and z of every lobe. `model`: it and its parameters, as --model takes them.
 [[nodiscard]] ExrImage comparison_image(const TruthRequest& request,

@@ -141,11 +141,11 @@ double draw_albedos(ReproductionContext& context, const AlbedoFigure& figure, Nu
 std::vector<NumberColumn> albedo_columns(const std::string& parameter) {
   return {{parameter, ".4f"},
           {"normal", ".6f", "E(0)"},
-          {"normal_integrated", ".6f", "integral"},
+          {"normal_integrated", ".6f", "E(0) quad."},
           {"grazing", ".6f", "E(89.9)"},
-          {"grazing_integrated", ".6f", "integral"},
+          {"grazing_integrated", ".6f", "E(89.9) q."},
           {"average", ".6f", "<E>"},
-          {"average_integrated", ".6f", "integral"},
+          {"average_integrated", ".6f", "<E> quad."},
           {"average_difference", ".1e", "difference"}};
 }
 

@@ -79,9 +79,9 @@ std::vector<Constant> mode_0_constants(double c) {
 Json reproduce_lambert_sphere_figure_4(ReproductionContext& context) {
   NumberRows rows(context, {{"albedo", "g"},
                             {"l", ".6f"},
-                            {"l_fit", ".6f", "fit"},
+                            {"l_fit", ".6f", "l fit"},
                             {"m", ".6f"},
-                            {"m_fit", ".6f", "fit"}});
+                            {"m_fit", ".6f", "m fit"}});
   rows.header("the constants of eq. 27 from the moments of H1, and the fits of eqs. 31 and 32");
   const std::vector<double> largest =
       draw_constants(context, rows, "constants", "Constants of mode 1", mode_1_constants);
@@ -94,13 +94,13 @@ Json reproduce_lambert_sphere_figure_4(ReproductionContext& context) {
 Json reproduce_lambert_sphere_figure_6(ReproductionContext& context) {
   NumberRows rows(context, {{"albedo", "g"},
                             {"B", ".6f"},
-                            {"B_fit", ".6f", "fit"},
+                            {"B_fit", ".6f", "B fit"},
                             {"C", ".6f"},
-                            {"C_fit", ".6f", "fit"},
+                            {"C_fit", ".6f", "C fit"},
                             {"D", ".6f"},
-                            {"D_fit", ".6f", "fit"},
+                            {"D_fit", ".6f", "D fit"},
                             {"F", ".6f"},
-                            {"F_fit", ".6f", "fit"}});
+                            {"F_fit", ".6f", "F fit"}});
   rows.header("the constants of eq. 36, exact, and the fits of eqs. 39 to 42");
   const std::vector<double> largest =
       draw_constants(context, rows, "constants", "Constants of mode 0", mode_0_constants);

@@ -139,11 +139,12 @@ Json reproduce_lambert_sphere_figure_5(ReproductionContext& context) {
   NumberRows rows(context, {{"albedo", "g"},
                             {"largest_three_term", ".5f", "largest"},
                             {"rms_three_term", ".5f", "rms"},
-                            {"largest_solver", ".5f", "largest"},
-                            {"rms_solver", ".5f", "rms"},
+                            {"largest_solver", ".5f", "largest s."},
+                            {"rms_solver", ".5f", "rms s."},
                             {"h0_error", ".5f", "H0"}});
   rows.header(
-      "relative errors of eqs. 36 to 42 from the exact three-term form, and from the solver, whose "
+      "relative errors of eqs. 36 to 42 from the exact three-term form, and from the solver (s.), "
+      "whose "
       "phase\nfunction is exact; of the fitted H0, mu from 0.01");
   double largest = 0, from_solver = 0, h0 = 0;
   for (const double c : albedos) {

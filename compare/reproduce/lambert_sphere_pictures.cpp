@@ -72,8 +72,15 @@ Json draw_gallery_of(ReproductionContext& context, Gallery& gallery) {
     std::vector<double> l, s, r;
     for (std::size_t m = 0; m < gallery.models.size(); ++m) {
       if (is_set(context.stop)) return rows.rows();
-      columns.push_back(
-          lit_sphere(gallery.names[m], *gallery.models[m].model, sphere_view(light.lamp)));
+      // Height fields are walked in every pixel.
+      const Model& model = *gallery.models[m].model;
+      const auto towards = [&](Direction wo) {
+        return [&model, &context, wo](Direction wi) {
+          context.go_on();
+          return model.eval(wi, wo);
+        };
+      };
+      columns.push_back(lit_sphere(gallery.names[m], towards, sphere_view(light.lamp)));
       l.push_back(luminance_of(columns.back()).mean);
       s.push_back(saturation(columns.back()));
       r.push_back(lit_part(columns.back()).silhouette);
@@ -99,8 +106,13 @@ Json reproduce_lambert_sphere_figure_8(ReproductionContext& context) {
                   .models = {},
                   .lights = {{"front", 0}, {"upper_right", 45}, {"side", 90}, {"behind", 140}}};
   gallery.models.push_back(figure_model(with_bond_albedo("lambert_sphere_three_term", kColor)));
-  const std::string beckmann = fmt::format("beckmann_diffuse,alpha={},walks={}", kAlpha, walks);
-  gallery.models.push_back(figure_model(with_bond_albedo(beckmann, kColor)));
+  // Its albedo is a mean over many directions, which takes fewer walks than a pixel does.
+  const std::string beckmann = fmt::format("beckmann_diffuse,alpha={},walks={}", kAlpha,
+                                           std::min<std::uint64_t>(walks, 16));
+  std::string bright = with_bond_albedo(beckmann, kColor);
+  bright.replace(0, beckmann.size(),
+                 fmt::format("beckmann_diffuse,alpha={},walks={}", kAlpha, walks));
+  gallery.models.push_back(figure_model(bright));
   gallery.models.push_back(
       figure_model(with_bond_albedo(fmt::format("oren_nayar_full,sigma={}", kSigma), kColor)));
   gallery.models.push_back(figure_model(with_bond_albedo("chandrasekhar", kColor)));

@@ -167,7 +167,11 @@ LobeTable solved_table(const Stack& stack, const ReproductionContext& context) {
   TruthRequest request{.stack = stack};
   request.estimator = Estimator::deterministic;
   request.seed = context.seed;
-  return LobeTable::make(request, context.stop);
+  // Pictures of eight bits show no more.
+  request.tolerance = context.by_quality(1e-2, 1e-3, 1e-4);
+  LobeTable table = LobeTable::make(request, context.stop);
+  context.go_on();
+  return table;
 }
 
 LobeTable walked_table(const Stack& stack, std::uint64_t walks,
@@ -178,7 +182,9 @@ LobeTable walked_table(const Stack& stack, std::uint64_t walks,
   request.effort.walks = walks;
   request.seed = context.seed;
   request.isa = isa_from_text("auto");
-  return LobeTable::make(request, context.stop);
+  LobeTable table = LobeTable::make(request, context.stop);
+  context.go_on();
+  return table;
 }
 
 BoundModel figure_model(const std::string& request, const Stack* stack) {

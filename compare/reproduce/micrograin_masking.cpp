@@ -102,7 +102,8 @@ Json reproduce_micrograin_figure_11(ReproductionContext& context) {
                             {"deon", ".5f", "d'Eon"},
                             {"difference", "+.5f"}});
   rows.header(
-      "beta = 0.5: weight of the grains by eq. 24, and by eq. 26 with the equivalent roughness");
+      "beta = 0.5: weight of the grains by eq. 24, and by eq. 26 with the equivalent roughness; that "
+      "of Merillou et al. 2000 is left out, as its source is not at hand");
   double at_normal = 0, largest = 0;
   for (const double theta_o : {0.0, 75.0}) {
     Chart chart{.title = fmt::format("Weight of the grains, \u03b8_o = {:g}\u00b0", theta_o),

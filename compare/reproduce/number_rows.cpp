@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -16,10 +17,18 @@ const std::string& title_of(const NumberColumn& column) {
   return column.title.empty() ? column.name : column.title;
 }
 
+// Each is the error of the column to its left.
+const std::string kErrorTitle = "+-";
+
 }  // namespace
 
 NumberRows::NumberRows(const ReproductionContext& context, std::vector<NumberColumn> columns)
-    : context_(context), columns_(std::move(columns)) {}
+    : context_(context), columns_(std::move(columns)) {
+  std::set<std::string> titles;
+  for (const NumberColumn& c : columns_)
+    if (title_of(c) != kErrorTitle && !titles.insert(title_of(c)).second)
+      throw std::invalid_argument("a figure with two columns of the title " + title_of(c));
+}
 
 int NumberRows::width(const NumberColumn& column) const {
   const int least = column.format.back() == 'e' ? 9 : 8;
@@ -43,9 +52,11 @@ void NumberRows::add(const std::vector<Value>& values) {
     const NumberColumn& c = columns_[k];
     const int wide = width(c) + (line.empty() ? 0 : 1);
     if (const auto* number = std::get_if<double>(&values[k])) {
-      line +=
-          fmt::format("{:>{}}", fmt::format(fmt::runtime("{:" + c.format + "}"), *number), wide);
-      if (std::isfinite(*number))
+      const bool is_there = std::isfinite(*number);
+      line += fmt::format(
+          "{:>{}}", is_there ? fmt::format(fmt::runtime("{:" + c.format + "}"), *number) : "-",
+          wide);
+      if (is_there)
         row[c.name] = *number;
       else
         row[c.name] = nullptr;

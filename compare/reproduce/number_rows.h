@@ -19,11 +19,12 @@ struct NumberColumn {
 };
 
 /// The rows of a figure: printed as they come, and kept for the answer. Numbers that are not finite
-/// are null there.
+/// are null there, and - on the terminal.
 class NumberRows {
  public:
   using Value = std::variant<double, std::string>;
 
+  /// Titles differ, but for "+-", which is of the column to its left. Throws std::invalid_argument.
   NumberRows(const ReproductionContext& context, std::vector<NumberColumn> columns);
   /// The columns' titles, after a text that is broken into lines.
   void header(const std::string& above = "") const;

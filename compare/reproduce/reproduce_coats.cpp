@@ -27,8 +27,9 @@ std::string coat(const std::string& shape, double ior, double alpha) {
 }
 
 // The share of light along the normal that a stack reflects.
-double normal_reflectance(const std::string& toml) {
+double normal_reflectance(const std::string& toml, const ReproductionContext& context) {
   const double normal[] = {1};
+  context.go_on();
   return solve_deterministic(figure_stack("remap", toml), {.tolerance = 1e-3})
       .energies(normal)[0]
       .reflected[Order::all]
@@ -37,13 +38,13 @@ double normal_reflectance(const std::string& toml) {
 
 // The albedo of flakes at which a half space reflects `color` of light along the normal: the
 // paper's remapping, without the error of its fit. Halving; the reflectance grows with the albedo.
-double remapped(double roughness, double color) {
+double remapped(double roughness, double color, const ReproductionContext& context) {
   if (roughness == 0) return color;
   double low = color, high = 1;
   while (high - low > 1e-3) {
     const double middle = (low + high) / 2;
     const std::string medium = fmt::format("medium = \"vmf_flake\"\nroughness = {}", roughness);
-    (normal_reflectance(half_space(medium, middle)) < color ? low : high) = middle;
+    (normal_reflectance(half_space(medium, middle), context) < color ? low : high) = middle;
   }
   return (low + high) / 2;
 }
@@ -100,7 +101,7 @@ Json reproduce_vmf_figure_9(ReproductionContext& context) {
   std::vector<PreviewColumn> bare, coated;
   for (const double r : roughnesses) {
     if (is_set(context.stop)) return rows;
-    const double albedo = remapped(r, kColor);
+    const double albedo = remapped(r, kColor, context);
     const std::string medium =
         half_space(fmt::format("medium = \"vmf_flake\"\nroughness = {}", r), albedo);
     const std::string base =
@@ -170,7 +171,7 @@ Json reproduce_lambert_sphere_figure_13(ReproductionContext& context) {
   const std::string haze =
       half_space(fmt::format("medium = \"henyey_greenstein\"\ng = {}", kMeanCosine), kAlbedo);
   // As bright along the normal as the spheres.
-  const double bright = normal_reflectance(spheres);
+  const double bright = normal_reflectance(spheres, context);
   const std::string lambert = fmt::format("[substrate]\nbsdf = \"lambert\"\nalbedo = {}\n", bright);
   const std::string form =
       fmt::format("[substrate]\nbsdf = \"lambert_sphere\"\nalbedo = {}\n", kAlbedo);

@@ -87,10 +87,13 @@ struct Solved {
   std::optional<SpongecakeLobes> best;
 };
 
-Solved solved(const Case& one, std::uint64_t walks, std::uint64_t seed) {
-  Solved s{.truth = matrix_truth(one.stack, walks, seed), .trial = nullptr, .best = {}};
+Solved solved(const ReproductionContext& context, const Case& one, std::uint64_t walks,
+              std::uint64_t seed) {
+  Solved s{
+      .truth = matrix_truth(one.stack, walks, seed, context.stop), .trial = nullptr, .best = {}};
+  context.go_on();
   s.trial = std::make_unique<SpongecakeTrial>(one.stack, s.truth);
-  if (has_least_squares()) s.best = SpongecakeTrial(one.stack, thinned(s.truth)).best();
+  if (has_least_squares()) s.best = SpongecakeTrial(one.stack, thinned(s.truth)).best(context.stop);
   return s;
 }
 
@@ -102,7 +105,7 @@ Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases
   // Fits are of one thread each.
   std::vector<Solved> all(cases.size());
   tbb::parallel_for(std::size_t{0}, cases.size(), [&](std::size_t n) {
-    if (!is_set(context.stop)) all[n] = solved(cases[n], walks, context.seed + (n << 32));
+    if (!is_set(context.stop)) all[n] = solved(context, cases[n], walks, context.seed + (n << 32));
   });
   if (is_set(context.stop)) return rows;
   if (context.table)
@@ -113,6 +116,7 @@ Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases
                walks, kGrid.cells(), "layers: kind, roughness, thickness", "2+ share", "2+ network",
                "2+ fit", "all none", "all network", "noise");
   for (std::size_t n = 0; n < cases.size(); ++n) {
+    if (is_set(context.stop)) return rows;
     const Case& one = cases[n];
     const SpongecakeTrial& trial = *all[n].trial;
     const std::optional<SpongecakeLobes>& best = all[n].best;
@@ -247,8 +251,11 @@ Json figure_21(ReproductionContext& context) {
   const Case one = case_of({layer_of(false, 0.5, 0.5, Rgb(1)), layer_of(false, 0.9, 2, Rgb(1))});
   const SpongecakeLobes predicted = predicted_lobes(one.stack);
   std::optional<SpongecakeLobes> best;
-  if (has_least_squares())
-    best = SpongecakeTrial(one.stack, thinned(matrix_truth(one.stack, 8192, context.seed))).best();
+  if (has_least_squares()) {
+    const MultipleLobes truth = matrix_truth(one.stack, 8192, context.seed, context.stop);
+    context.go_on();
+    best = SpongecakeTrial(one.stack, thinned(truth)).best(context.stop);
+  }
   Json rows = Json::array();
   const double angles[] = {0, 20, 40, 60, 70, 80};
   const std::uint64_t walks = std::max<std::uint64_t>(256, context.walks / std::size(angles));
@@ -269,7 +276,8 @@ Json figure_21(ReproductionContext& context) {
   for (std::size_t k = 0; k < std::size(angles) && !is_set(context.stop); ++k) {
     const Direction wi = direction_from_degrees(angles[k], 0);
     const MultipleLobes lobes =
-        multiple_lobes(one.stack, {wi}, kGrid, walks, context.seed + (k << 8));
+        multiple_lobes(one.stack, {wi}, kGrid, walks, context.seed + (k << 8), context.stop);
+    if (is_set(context.stop)) break;
     const SpongecakeTrial trial(one.stack, lobes);
     const double delta = one.stack.uncollided(wi), single = delta + energy_of(trial.single());
     const double network = single + energy_of(trial.values(predicted));

@@ -27,6 +27,9 @@ struct Finding {
   bool agrees;        ///< whether the second bears the first out; computed
 };
 
+/// Thrown by a figure that was stopped on its way: its pictures so far are kept, its table is not.
+struct FigureStopped {};
+
 /// What a reproduction of a published figure has to work with.
 struct ReproductionContext {
   std::uint64_t seed;
@@ -44,6 +47,10 @@ struct ReproductionContext {
   template <class T>
   [[nodiscard]] T by_quality(T draft, T quick, T final) const {
     return quality == Quality::draft ? draft : quality == Quality::quick ? quick : final;
+  }
+  /// Throws FigureStopped once the flag is set. Any thread.
+  void go_on() const {
+    if (is_set(stop)) throw FigureStopped{};
   }
   /// Writes NAME.png, NAME.svg, ... and adds them to `pictures`. Throws OutputError.
   void write(const std::string& name, const Chart& chart);

@@ -23,7 +23,22 @@ const std::vector<Reproduction>& reproductions() {
   return all;
 }
 
-const Reproduction* find_reproduction(const std::string& name) {
+namespace {
+
+// Figures that another one has with it.
+struct OtherName {
+  const char *name, *is;
+};
+constexpr OtherName kOtherNames[] = {{"lambert_sphere_figure_1", "lambert_sphere_dilute"},
+                                     {"lambert_sphere_figure_9", "lambert_sphere_figure_10"},
+                                     {"eon_figure_2", "eon_figure_1"}};
+
+}  // namespace
+
+const Reproduction* find_reproduction(const std::string& asked) {
+  std::string name = asked;
+  for (const OtherName& other : kOtherNames)
+    if (asked == other.name) name = other.is;
   const auto& all = reproductions();
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const Reproduction& r) { return r.name == name; });

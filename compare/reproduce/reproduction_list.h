@@ -11,7 +11,8 @@ namespace lamella {
 /// paper's header (eon_figures.h, ...) and a line of the list beside it.
 [[nodiscard]] const std::vector<Reproduction>& reproductions();
 
-/// The entry with that name, or nullptr.
+/// The entry with that name, or the one that makes the figure of that name with its own; or
+/// nullptr.
 [[nodiscard]] const Reproduction* find_reproduction(const std::string& name);
 
 }  // namespace lamella

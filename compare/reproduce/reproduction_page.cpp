@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace lamella {
@@ -16,7 +17,8 @@ constexpr const char* kStyle =
     "table{border-collapse:collapse;font-size:13px}td,th{padding:2px "
     "8px;text-align:right;border-bottom:1px solid #eee}"
     "td.text,th.text{text-align:left}img{max-width:100%;margin:6px 0}"
-    ".agrees{color:#00663d}.differs{color:#a33a00}details{margin:.6em 0}"
+    ".agrees,.differs{white-space:nowrap}.agrees{color:#00663d}.differs{color:#a33a00}details{"
+    "margin:.6em 0}"
     "@media(prefers-color-scheme:dark){body{background:#16181c;color:#ddd}td,th{border-color:#333}"
     ".agrees{color:#5fd3a0}.differs{color:#ff9d66}}";
 
@@ -90,6 +92,29 @@ std::string contents_of(const Json& figures) {
   return out + "</table>\n";
 }
 
+// How many findings of each paper agree, in the order of the list.
+std::string totals_of(const Json& figures) {
+  std::vector<std::pair<std::string, Json>> papers;
+  Json all = Json::array();
+  for (const Json& f : figures) {
+    if (f.contains("left_out")) continue;
+    // "Lucas et al. 2023, Micrograin BSDF, figure 4"
+    const std::string source = f["source"].get<std::string>();
+    const std::string paper =
+        source.substr(0, std::min(source.find(", figure"), source.find(", table")));
+    if (papers.empty() || papers.back().first != paper) papers.emplace_back(paper, Json::array());
+    for (const Json& finding : f["findings"]) {
+      papers.back().second.push_back(finding);
+      all.push_back(finding);
+    }
+  }
+  std::string out = "<ul>\n";
+  for (const auto& [paper, findings] : papers)
+    if (!findings.empty())
+      out += fmt::format("<li>{}: {}</li>\n", for_html(paper), tally_of(findings));
+  return out + (all.empty() ? "</ul>\n" : fmt::format("<li>all: {}</li></ul>\n", tally_of(all)));
+}
+
 std::string figure_of(const Json& f) {
   const std::string name = for_html(f["name"].get<std::string>());
   std::string out =
@@ -132,7 +157,7 @@ std::string reproduction_page(const Json& answer) {
       "\u201cAgrees\u201d is computed from the numbers beside it.</p>\n",
       kStyle, for_html(answer["version"].get<std::string>()),
       for_html(answer["quality"].get<std::string>()), answer["seed"].dump());
-  out += contents_of(answer["reproductions"]);
+  out += totals_of(answer["reproductions"]) + contents_of(answer["reproductions"]);
   for (const Json& figure : answer["reproductions"]) out += figure_of(figure);
   return out + "</body></html>\n";
 }

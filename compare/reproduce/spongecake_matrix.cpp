@@ -13,15 +13,18 @@ constexpr std::size_t kFitStep = 11;
 
 }  // namespace
 
-MultipleLobes matrix_truth(const Stack& stack, std::uint64_t walks, std::uint64_t seed) {
+MultipleLobes matrix_truth(const Stack& stack, std::uint64_t walks, std::uint64_t seed,
+                           const StopFlag* stop) {
   const std::vector<MatrixDirection> directions = matrix_directions(kMatrixGrid);
   std::vector<MultipleLobes> rows(directions.size());
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t k) {
     rows[k] = multiple_lobes(stack, {direction_from_mu_phi(directions[k].mu, directions[k].phi)},
-                             kMatrixGrid, walks, seed + (k << 8));
+                             kMatrixGrid, walks, seed + (k << 8), stop);
   });
   MultipleLobes all{
       .grid = kMatrixGrid, .incident = {}, .walks = walks, .value = {}, .variance = {}};
+  // Of what is stopped, rows may be missing.
+  if (is_set(stop)) return all;
   for (const MultipleLobes& row : rows) {
     all.incident.push_back(row.incident.front());
     all.value.insert(all.value.end(), row.value.begin(), row.value.end());

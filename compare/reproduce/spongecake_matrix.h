@@ -14,9 +14,9 @@ namespace lamella {
 inline constexpr CellGrid kMatrixGrid{8, 16, false};
 
 /// Orders 2 and up of a stack along the incident directions of a lobe matrix (matrix_directions of
-/// kMatrixGrid), `walks` along each of these. One task per direction.
+/// kMatrixGrid), `walks` along each of these. One task per direction. Once `stop` is set: nothing.
 [[nodiscard]] MultipleLobes matrix_truth(const Stack& stack, std::uint64_t walks,
-                                         std::uint64_t seed);
+                                         std::uint64_t seed, const StopFlag* stop);
 
 /// Twelve of its directions, of other azimuths at every step of mu^2: enough for a fit.
 [[nodiscard]] MultipleLobes thinned(const MultipleLobes& matrix);

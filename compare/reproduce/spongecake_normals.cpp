@@ -47,6 +47,7 @@ PreviewColumn walked_sphere(const ReproductionContext& context, Direction lamp, 
   return sphere_of("flakes, all orders", [&](Direction n) {
     const std::uint64_t first = walks * pixel++;
     if (dot(n, lamp) <= 0) return Rgb();
+    context.go_on();
     const Frame<double> frame = sphere_frame(n);
     const ViewedStack viewed(flakes_along(frame.to_local(bumped(n, strength)), roughness));
     const Direction wi = frame.to_local(lamp), wo = frame.to_local(Direction{0, 0, 1});

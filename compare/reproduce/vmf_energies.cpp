@@ -67,13 +67,13 @@ Json reproduce_vmf_figure_3(ReproductionContext& context) {
   NumberRows rows(context, {{"albedo", "g"},
                             {"roughness", "g"},
                             {"f1", ".4f"},
-                            {"f1_lobe", ".4f", "lobe"},
+                            {"f1_lobe", ".4f", "f1 lobe"},
                             {"f2", ".4f"},
-                            {"f2_lobe", ".4f", "lobe"},
+                            {"f2_lobe", ".4f", "f2 lobe"},
                             {"f3", ".4f"},
-                            {"f3_lobe", ".4f", "lobe"},
+                            {"f3_lobe", ".4f", "f3 lobe"},
                             {"fm", ".4f"},
-                            {"fm_lobe", ".4f", "lobe"},
+                            {"fm_lobe", ".4f", "fm lobe"},
                             {"all", ".4f"}});
   rows.header(
       "energies of orders 1, 2, 3 and 4+ under uniform light, by the solver and by the lobe");

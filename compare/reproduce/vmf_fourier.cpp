@@ -32,11 +32,13 @@ Stack white_flakes(double roughness) {
 using Maps = std::vector<std::vector<double>>;
 
 // Of order 1, from its exact values by the trapezoidal rule in phi.
-Maps first_order(const Stack& stack, const std::vector<double>& mu) {
+Maps first_order(const Stack& stack, const std::vector<double>& mu,
+                 const ReproductionContext& context) {
   constexpr int kAzimuths = 128;
   Maps maps(kModes, std::vector<double>(mu.size() * mu.size()));
   for (std::size_t i = 0; i < mu.size(); ++i)
     for (std::size_t o = 0; o < mu.size(); ++o) {
+      context.go_on();
       double sums[kModes] = {};
       for (int k = 0; k < kAzimuths; ++k) {
         const double phi = 2 * kPi * k / kAzimuths;
@@ -53,11 +55,13 @@ Maps first_order(const Stack& stack, const std::vector<double>& mu) {
 
 // Of orders 2 and 3 by the solver, which counts phi from the other side.
 Maps solved_order(const Stack& stack, int order, const std::vector<double>& mu, double tolerance,
-                  const StopFlag* stop) {
+                  const ReproductionContext& context) {
   DeterministicOptions options{.tolerance = tolerance, .max_nodes = 64, .max_modes = 64};
   options.isa = isa_from_text("auto");
-  options.stop = stop;
-  const DeterministicField field = solve_deterministic(stack, options).field(mu, mu);
+  options.stop = context.stop;
+  const DeterministicSolution solution = solve_deterministic(stack, options);
+  context.go_on();
+  const DeterministicField field = solution.field(mu, mu);
   Maps maps(kModes, std::vector<double>(mu.size() * mu.size()));
   for (std::size_t i = 0; i < mu.size(); ++i)
     for (std::size_t o = 0; o < mu.size(); ++o)
@@ -121,9 +125,8 @@ Json fourier_figure(ReproductionContext& context, int order) {
     if (is_set(context.stop)) return rows.rows();
     const Stack stack = white_flakes(r);
     const Maps truth =
-        order == 1
-            ? first_order(stack, mu)
-            : solved_order(stack, order, mu, context.by_quality(1e-2, 1e-3, 1e-4), context.stop);
+        order == 1 ? first_order(stack, mu, context)
+                   : solved_order(stack, order, mu, context.by_quality(1e-2, 1e-3, 1e-4), context);
     const Maps fit = fitted(order, r, mu);
     const double scale = root_mean_square(truth[0]);
     sheet.columns.push_back(fmt::format("{:g}", r));

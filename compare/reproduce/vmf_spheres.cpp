@@ -119,14 +119,14 @@ Json reproduce_vmf_figure_7(ReproductionContext& context) {
   NumberRows rows(context, {{"albedo", "g"},
                             {"least", ".4f"},
                             {"most", ".4f"},
-                            {"remapped_least", ".4f", "remapped"},
-                            {"remapped_most", ".4f", "most"},
+                            {"remapped_least", ".4f", "rem. least"},
+                            {"remapped_most", ".4f", "rem. most"},
                             {"off", ".4f"},
-                            {"remapped_off", ".4f", "remapped"}});
+                            {"remapped_off", ".4f", "rem. off"}});
   rows.header(
       "share of uniform light that is reflected along the normal, least and most over the "
       "roughness; mean\ndistance from the albedo that is asked for; both without and with the "
-      "remapping");
+      "remapping (rem.)");
   double off = 0, off_remapped = 0;
   std::vector<PreviewColumn> original, corrected;
   for (const double c : colors) {

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <utility>
 
 #include "compare/request/interrupt.h"
 #include "compare/request/run_keeper.h"
-#include "compare/request/stopwatch.h"
 #include "compare/truth/pilot.h"
+#include "compare/truth/solved_texels.h"
 #include "compare/truth/texel_mean.h"
 #include "phase/math/degrees.h"
 #include "phase/math/larger_error.h"
@@ -103,6 +104,7 @@ std::string GroundTruth::choice_bytes() const {
   out.put_text(choice_->reason);
   out.put(static_cast<std::uint64_t>(solved_.size()));
   for (const RunResult& run : solved_) out.put_text(to_bytes(run));
+  for (const RunResult& run : map_errors_) out.put_text(to_bytes(run));
   return out.take();
 }
 
@@ -116,24 +118,23 @@ void GroundTruth::restore_choice(std::string_view bytes) {
     throw DamagedBytes("it has another number of solved directions");
   std::vector<RunResult> solved;
   for (std::uint64_t k = 0; k < count; ++k) solved.push_back(run_from_bytes(in.get_text()));
+  std::vector<RunResult> errors;
+  if (!request_.texels.empty())
+    for (std::uint64_t k = 0; k < count; ++k) errors.push_back(run_from_bytes(in.get_text()));
   in.end();
   CellGrid grid = request_.cells;
   grid.folded = plan_.folded && grid.phi_cells % 2 == 0;
-  for (const RunResult& run : solved)
-    if (run.channels != plan_.channels || run.grid.cells() != grid.cells())
-      throw DamagedBytes("it has solved cells of another grid");
+  for (const auto* runs : {&solved, &errors})
+    for (const RunResult& run : *runs)
+      if (run.channels != plan_.channels || run.grid.cells() != grid.cells())
+        throw DamagedBytes("it has solved cells of another grid");
   choice_ = std::move(choice);
   solved_ = std::move(solved);
+  map_errors_ = std::move(errors);
 }
 
 void GroundTruth::choose() {
-  if (!request_.texels.empty()) {
-    choice_ = EstimatorChoice{
-        request_.estimator.value_or(of_walks_),
-        fmt::format("the mean over a map walks through {} texels", request_.texels.size()),
-        nullptr};
-    return;
-  }
+  if (!request_.texels.empty()) return choose_for_texels();
   choice_ = choose_estimator(request_, of_walks_, monitor_.stop, monitor_.solver);
   if (choice_->solution) solve_cells();
   if (choice_->has_harmonics()) solve_harmonics();
@@ -145,6 +146,66 @@ void GroundTruth::choose() {
     choice_->estimator = found.best;
     choice_->reason += "; " + to_text(found);
   }
+}
+
+void GroundTruth::choose_for_texels() {
+  const std::vector<std::size_t> first = first_equals(request_.texels);
+  const std::size_t different = count_different(first);
+  std::string reason =
+      fmt::format("the mean over a map walks through {} texels", request_.texels.size());
+  const bool asked = request_.estimator == Estimator::deterministic;
+  if (asked || (!request_.estimator && request_.given.empty())) {
+    if (asked || different <= kMostSolvedTexels) {
+      if (asked) warn_of_walk_settings();
+      if (solve_texels(first)) return;
+      reason += ", of which the solver does not answer all";
+    } else {
+      reason +=
+          fmt::format(", {} of them different (--estimator deterministic solves each)", different);
+    }
+  }
+  choice_ =
+      EstimatorChoice{asked ? of_walks_ : request_.estimator.value_or(of_walks_), reason, nullptr};
+}
+
+bool GroundTruth::solve_texels(const std::vector<std::size_t>& first_equal) {
+  const std::size_t count = first_equal.size(), different = count_different(first_equal);
+  std::vector<std::size_t> last_use(count);
+  for (std::size_t k = 0; k < count; ++k) last_use[first_equal[k]] = k;
+  // Texels are solved without a keeper: their mean is one piece.
+  RunMonitor of_texel{.stop = monitor_.stop, .solver = monitor_.solver};
+  SolvedTexels texels;
+  std::map<std::size_t, std::vector<RunResult>> solved;
+  double seconds = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = first_equal[k];
+    if (first == k) {
+      if (k > 0 && is_stopped()) break;
+      GroundTruth one(request_of_texel(request_, k, 1.0 / static_cast<double>(different)),
+                      of_walks_, of_texel);
+      one.plan_ = plan_of_texel(request_, k, plan_);
+      if (one.choice().estimator != Estimator::deterministic) return false;
+      for (const RunResult& run : one.solved_) seconds += run.seconds;
+      solved[k] = std::move(one.solved_);
+    }
+    texels.add(solved.at(first));
+    if (last_use[first] == k) solved.erase(first);
+  }
+  if (monitor_.solver && monitor_.finished) monitor_.finished();
+  if (texels.count() < count)
+    monitor_.warn(fmt::format("interrupted: {} of {} texels are solved, the mean is theirs",
+                              texels.count(), count));
+  solved_ = texels.mean();
+  for (RunResult& run : solved_) run.seconds = seconds / static_cast<double>(solved_.size());
+  map_errors_ = texels.map_errors();
+  choice_ = EstimatorChoice{
+      Estimator::deterministic,
+      request_.estimator
+          ? "asked for"
+          : fmt::format("the solver reaches {:.1e} on {} texels of the map, {} of them different",
+                        worst_bound(solved_), texels.count(), different),
+      nullptr};
+  return true;
 }
 
 void GroundTruth::warn_of_walk_settings() const {
@@ -220,17 +281,18 @@ Truth GroundTruth::find(std::size_t k, std::optional<std::uint64_t> walks) {
   Truth truth;
   if (estimator == Estimator::deterministic) {
     truth.run = solved_[k];
+    if (!map_errors_.empty()) truth.map_error = map_errors_[k];
     warn_of_accuracy(truth.run, request_.tolerance, monitor_);
     return truth;
   }
   if (!request_.texels.empty()) {
     StopRule of_texels = walks ? request_.effort : look_.next();
     of_texels.walks = walks.value_or(of_texels.walks);
-    const double seconds = wall_seconds_of(
-        [&] { truth.batches = walk_texels(request_, plan_, wi, estimator, of_texels, monitor_); });
+    TexelWalks walked = walk_texels(request_, plan_, wi, estimator, of_texels, monitor_);
+    truth.batches = std::move(walked.batches);
     if (monitor_.finished) monitor_.finished();
     truth.run = reduce(*truth.batches);
-    truth.run.seconds = seconds;
+    truth.run.seconds = walked.seconds;
     if (is_stopped()) monitor_.warn("interrupted: a part of the map has no walks");
     return truth;
   }

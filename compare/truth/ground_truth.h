@@ -21,6 +21,9 @@ struct Truth {
   /// The batches that `run` was reduced from: their scatter is its noise. None where the solver
   /// found it: `run` then has error bounds.
   std::unique_ptr<Simulation> batches;
+  /// Of a mean over the texels of a map that the solver found: the same values, with standard
+  /// errors that the sample of texels leaves of the map's mean; `run` has the solver's bounds.
+  std::optional<RunResult> map_error{};
 };
 
 /// The source of truth for the commands, whichever estimator finds it: one truth per incident
@@ -52,6 +55,10 @@ class GroundTruth {
 
  private:
   void choose();
+  // The same where the truth is the mean over a map.
+  void choose_for_texels();
+  // The mean of the solved texels, or nothing where one of them is better walked.
+  [[nodiscard]] bool solve_texels(const std::vector<std::size_t>& first_equal);
   // The choice and what was solved with it, as a keeper has them.
   [[nodiscard]] std::string choice_bytes() const;
   void restore_choice(std::string_view bytes);
@@ -66,7 +73,8 @@ class GroundTruth {
   RunMonitor monitor_;
   Plan plan_;
   std::optional<EstimatorChoice> choice_;
-  std::vector<RunResult> solved_;  // one per direction, once the solver was used
+  std::vector<RunResult> solved_;      // one per direction, once the solver was used
+  std::vector<RunResult> map_errors_;  // beside them, of a mean over a map
   FirstLook look_;
 };
 

@@ -24,8 +24,8 @@ namespace {
 
 using Grid = HalfVectorGrid;
 
-// Of the solver: what it aims for, and what is still far better than walks are; both relative to
-// the mean over the azimuth.
+// Of the solver: what it aims for at its best, and what is still far better than walks are; both
+// relative to the mean over the azimuth.
 constexpr double kTolerance = 1e-4, kStillUseful = 5e-3;
 // What `auto` lets the solver spend. Nodes and modes end it, not the clock: equal runs are equal.
 constexpr int kMostNodes = 64, kMostModes = 96;
@@ -49,22 +49,6 @@ bool has_narrow_lobes(const Stack& stack) {
          std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
            return layer.interface && is_narrow(layer.interface->facets);
          });
-}
-
-// The same with smooth surfaces for those whose lobes are too narrow to be drawn.
-Stack with_drawn_lobes(Stack stack) {
-  for (Layer& layer : stack.layers)
-    if (layer.interface && is_narrow(layer.interface->facets)) {
-      layer.interface->facets = {.shape = FacetShape::smooth};
-      layer.interface->multiple = false;
-    }
-  if (const Conductor* metal = conductor_of(stack); metal && is_narrow(metal->setting().facets)) {
-    Conductor::Setting setting = metal->setting();
-    setting.facets = {.shape = FacetShape::smooth};
-    setting.multiple = false;
-    stack.substrate->law = std::make_shared<Conductor>(setting);
-  }
-  return stack;
 }
 
 bool has_delta_flakes(const Stack& stack) {
@@ -96,6 +80,21 @@ double interpolated(const std::vector<double>& v, double place) {
 
 }  // namespace
 
+Stack LobeTable::drawn_stack(Stack stack) {
+  for (Layer& layer : stack.layers)
+    if (layer.interface && is_narrow(layer.interface->facets)) {
+      layer.interface->facets = {.shape = FacetShape::smooth};
+      layer.interface->multiple = false;
+    }
+  if (const Conductor* metal = conductor_of(stack); metal && is_narrow(metal->setting().facets)) {
+    Conductor::Setting setting = metal->setting();
+    setting.facets = {.shape = FacetShape::smooth};
+    setting.multiple = false;
+    stack.substrate->law = std::make_shared<Conductor>(setting);
+  }
+  return stack;
+}
+
 Direction LobeTable::outgoing(const Sector& sector, int out) {
   return direction_from_mu_phi(Grid::node_mu(out), sector.azimuth);
 }
@@ -124,31 +123,36 @@ std::function<Rgb(Direction)> LobeTable::rest_towards(const Sector& sector, Dire
              Direction wi) { return scale * (px * wi.y - py * wi.x >= 0 ? left : right)(wi); };
 }
 
+// Away from the limit: where both directions graze, single scattering has none.
 std::function<Rgb(Direction)> LobeTable::towards(Direction wo) const {
-  // Away from the limit: where both directions graze, single scattering has none.
+  return [this, o = raised_to(wo, Grid::kLeastMu), rest = rest_towards(wo)](Direction wi) {
+    return closed(raised_to(wi, Grid::kLeastMu), o) + rest(wi);
+  };
+}
+
+std::function<Rgb(Direction)> LobeTable::rest_towards(Direction wo) const {
   const Direction o = raised_to(wo, Grid::kLeastMu);
   if (!has_azimuth())
-    return [this, o, rest = rest_towards(tables_.front(), o)](Direction wi) {
-      const Direction i = raised_to(wi, Grid::kLeastMu);
-      return closed(i, o) + rest(i);
+    return [rest = rest_towards(tables_.front(), o)](Direction wi) {
+      return rest(raised_to(wi, Grid::kLeastMu));
     };
   const double turn = (azimuth(o) - symmetry_.azimuth) / (2 * kPi),
                place = (turn - std::floor(turn)) * kSectors;
   const int from = std::min(static_cast<int>(place), kSectors - 1);
   const double x = place - from;
-  return [this, o, x, first = rest_towards(tables_[from], o),
+  return [x, first = rest_towards(tables_[from], o),
           second = rest_towards(tables_[(from + 1) % kSectors], o)](Direction wi) {
     const Direction i = raised_to(wi, Grid::kLeastMu);
-    return closed(i, o) + (1 - x) * first(i) + x * second(i);
+    return (1 - x) * first(i) + x * second(i);
   };
 }
 
-Rgb LobeTable::closed(Direction wi, Direction wo) const {
+Rgb LobeTable::closed_of(const Stack& drawn, Direction wi, Direction wo) const {
   switch (closed_) {
     case Closed::order_one:
-      return closed_orders(stack_, wi, wo).one;
+      return closed_orders(drawn, wi, wo).one;
     case Closed::zero:
-      return closed_orders(stack_, wi, wo).zero;
+      return closed_orders(drawn, wi, wo).zero;
     case Closed::nothing:
       break;
   }
@@ -159,11 +163,12 @@ Rgb LobeTable::specular(Direction wo) const {
   return mirrored_share(stack_, raised_to(wo, Grid::kLeastMu));
 }
 
-std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool must,
+std::optional<std::string> LobeTable::solve(const TruthRequest& request, bool must,
                                             const StopFlag* stop, const SolverReport& report) {
+  const Stack& stack = stack_;
   DeterministicOptions options;
-  options.isa = isa;
-  options.tolerance = kTolerance;
+  options.isa = request.isa;
+  options.tolerance = std::max(kTolerance, request.tolerance);
   options.stop = stop;
   options.report = report;
   if (!must) {
@@ -214,7 +219,7 @@ std::optional<std::string> LobeTable::solve(const Stack& stack, Isa isa, bool mu
   }
   source_ = fmt::format("adding and doubling, {} {:.1g}",
                         solution.accuracy().reached ? "tolerance" : "no further than",
-                        solution.accuracy().reached ? kTolerance : reached);
+                        solution.accuracy().reached ? options.tolerance : reached);
   return std::nullopt;
 }
 
@@ -232,6 +237,7 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
     if (has_azimuth() && mirror_sector(static_cast<int>(k))) continue;
     Sector& sector = tables_[k];
     for (int o = 0; o < Grid::kOut; ++o) {
+      if (is_set(stop)) return;
       // Reflection is reciprocal here: the walks begin where the viewer is.
       std::vector<Direction> points;
       for (int side = 0; side < sides(); ++side)
@@ -308,12 +314,13 @@ void LobeTable::walk(const TruthRequest& request, const StopFlag* stop) {
   }
 }
 
-void LobeTable::scale_to_energies(Sector& sector) {
+void LobeTable::scale_to_energies(Sector& sector, const StopFlag* stop) {
   const std::size_t count = kScalesPerNode * (Grid::kOut - 1) + 1;
   sector.scales.assign(count, Rgb(1));
   if (sector.energies.empty()) return;
   std::vector<Rgb> first(count), shape(count), mirrored(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    if (is_set(stop)) return;
     const double mu = Grid::node_mu(static_cast<double>(k) / kScalesPerNode);
     const Direction wo = direction_from_mu_phi(mu, sector.azimuth);
     const auto raised = [](Direction wi) { return raised_to(wi, Grid::kLeastMu); };
@@ -332,6 +339,7 @@ void LobeTable::scale_to_energies(Sector& sector) {
       shape[k] += share * lobe_cells([&](Direction wi) { return rest(turned(wi)); }, mu).energy;
     }
   });
+  if (is_set(stop)) return;
   for (int c = 0; c < 3; ++c) {
     // At the nodes: of the table's orders, and of all.
     std::vector<double> rest, all;
@@ -361,7 +369,7 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
                           const SolverReport& report) {
   LobeTable table;
   TruthRequest drawn = request;
-  drawn.stack = with_drawn_lobes(request.stack);
+  drawn.stack = drawn_stack(request.stack);
   const Stack& stack = table.stack_ = drawn.stack;
   const SurfaceLaw* law = stack.substrate ? stack.substrate->law.get() : nullptr;
   table.closed_ = !is_first_closed(stack)       ? Closed::zero
@@ -389,11 +397,11 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
     table.solve_in_harmonics(request, stop);
     unsolved.reset();
   } else if (must || (solvable && !request.estimator)) {
-    unsolved = table.solve(stack, request.isa, must, stop, report);
+    unsolved = table.solve(request, must, stop, report);
     if (unsolved && must) refuse_answer(stack, *unsolved);
   }
   if (unsolved) table.walk(drawn, stop);
-  for (Sector& sector : table.tables_) table.scale_to_energies(sector);
+  for (Sector& sector : table.tables_) table.scale_to_energies(sector, stop);
   if (has_narrow_lobes(request.stack))
     table.source_ += fmt::format("; roughness below {} drawn as smooth", kLeastLobe);
   return table;

@@ -64,6 +64,15 @@ class LobeTable {
   [[nodiscard]] Rgb specular(Direction wo) const;
   [[nodiscard]] bool has_specular() const { return stack_.has_boundaries(); }
 
+  /// Tables of several stacks are interpolated in two parts: what of f is closed, of any of these
+  /// stacks, and what each table has beside it. `drawn`: by drawn_stack. The kind of what is closed
+  /// must be the same (is_like).
+  [[nodiscard]] Rgb closed_of(const Stack& drawn, Direction wi, Direction wo) const;
+  [[nodiscard]] std::function<Rgb(Direction wi)> rest_towards(Direction wo) const;
+  [[nodiscard]] bool is_like(const LobeTable& other) const { return closed_ == other.closed_; }
+  /// The stack with smooth surfaces for those whose lobes are too narrow to be drawn.
+  [[nodiscard]] static Stack drawn_stack(Stack stack);
+
   /// How the table was made, for people.
   [[nodiscard]] const std::string& source() const { return source_; }
 
@@ -73,8 +82,8 @@ class LobeTable {
 
   /// By adding and doubling, or in spherical harmonics where the stack is not symmetric about z,
   /// where these apply and reach a small enough error (the estimator `auto`); else by as many
-  /// next-event walks per outgoing node as are asked for. For stacks that `check_preview` lets
-  /// pass.
+  /// next-event walks per outgoing node as are asked for. A request's tolerance above 1e-4 is the
+  /// solver's. For stacks that `check_preview` lets pass.
   [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop,
                                       const SolverReport& report = {});
 
@@ -105,13 +114,12 @@ class LobeTable {
   // Whether another sector's table, mirrored, is that of sector k, which it then is.
   [[nodiscard]] bool mirror_sector(int k);
   void solve_in_harmonics(const TruthRequest& request, const StopFlag* stop);
-  void scale_to_energies(Sector& sector);
-  [[nodiscard]] Rgb closed(Direction wi, Direction wo) const;
+  void scale_to_energies(Sector& sector, const StopFlag* stop);
+  [[nodiscard]] Rgb closed(Direction wi, Direction wo) const { return closed_of(stack_, wi, wo); }
   // Why the solver has no answer, if it has none, or one that is not near enough and no `must`.
-  std::optional<std::string> solve(const Stack& stack, Isa isa, bool must, const StopFlag* stop,
+  std::optional<std::string> solve(const TruthRequest& request, bool must, const StopFlag* stop,
                                    const SolverReport& report);
   void walk(const TruthRequest& request, const StopFlag* stop);
-  void scale_to_energies();
 
   Stack stack_;
   Closed closed_ = Closed::order_one;

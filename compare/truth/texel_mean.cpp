@@ -3,8 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "compare/request/errors.h"
+#include "compare/request/run_keeper.h"
+#include "compare/request/stopwatch.h"
+#include "compare/truth/estimator_choice.h"
+#include "compare/truth/solved_texels.h"
 
 namespace lamella {
 namespace {
@@ -67,16 +73,30 @@ std::uint64_t whole_batches(double walks) {
 void check_texel_mean(const TruthRequest& request) {
   const auto refuse = [](const std::string& found) {
     throw UsageError(fmt::format(
-        "--at mean: found {}; allowed: a number of walks or a time, through homogeneous layers "
-        "(--at U,V takes one place)",
+        "--at mean: found {}; allowed: the solver, or a number of walks or a time, through "
+        "homogeneous layers (--at U,V takes one place)",
         found));
   };
-  if (request.estimator == Estimator::deterministic) refuse("--estimator deterministic");
   if (request.effort.target_error) refuse("--target-error");
   for (const Stack& texel : request.texels) {
     if (texel.grains()) refuse("explicit geometry");
     if (texel.has_grid()) refuse("a density grid");
   }
+  const std::vector<std::size_t> first = first_equals(request.texels);
+  for (std::size_t k = 0; k < first.size(); ++k)
+    if (first[k] == k) check_estimator(request_of_texel(request, k, 1));
+}
+
+TruthRequest request_of_texel(const TruthRequest& request, std::size_t texel, double share) {
+  TruthRequest of_texel = request;
+  of_texel.stack = request.texels[texel];
+  of_texel.texels.clear();
+  if (of_texel.effort.seconds) *of_texel.effort.seconds *= share;
+  return of_texel;
+}
+
+Plan plan_of_texel(const TruthRequest& request, std::size_t texel, const Plan& all) {
+  return widened(plan_of_texel(request, request.texels[texel]), all);
 }
 
 Plan texel_plan(const TruthRequest& request) {
@@ -94,45 +114,64 @@ Plan texel_plan(const TruthRequest& request) {
   return all;
 }
 
-std::unique_ptr<Simulation> walk_texels(const TruthRequest& request, const Plan& plan, Direction wi,
-                                        Estimator estimator, StopRule rule,
-                                        const RunMonitor& monitor) {
+namespace {
+
+// The walks of the texels whose batches are in the simulation's range, added to these batches.
+void walk_into(Simulation& all, const TruthRequest& request, std::uint64_t walks,
+               const std::function<std::unique_ptr<Simulation>(std::size_t)>& simulation_of,
+               const RunMonitor& monitor) {
+  const std::size_t count = request.texels.size();
+  const BatchRange range = all.range();
+  std::vector<BatchTally> batches(kBatches);
+  std::uint64_t done = 0;
+  for (std::size_t k = 0; k < count && !(monitor.is_stopped() && k > 0); ++k) {
+    const int own = static_cast<int>(k % kBatches);
+    done += walks;
+    if (own < range.first || own >= range.end) continue;
+    const auto simulation = simulation_of(k);
+    simulation->advance(walks);
+    for (const BatchTally& batch : simulation->batches()) add(batches[k % kBatches], batch);
+    if (monitor.progress)
+      monitor.progress(fmt::format("texel {} of {}", k + 1, count), {done, walks * count, 0});
+  }
+  const std::size_t size = all.batches().front().f.size();
+  for (int b = 0; b < kBatches; ++b) {
+    batches[static_cast<std::size_t>(b)].f.resize(size);
+    all.restore(b, std::move(batches[static_cast<std::size_t>(b)]), "");
+  }
+  all.restore_walks(done);
+}
+
+}  // namespace
+
+TexelWalks walk_texels(const TruthRequest& request, const Plan& plan, Direction wi,
+                       Estimator estimator, StopRule rule, const RunMonitor& monitor) {
   const std::vector<Stack>& texels = request.texels;
   const auto simulation_of = [&](std::size_t k) {
     // Seeds of their own, far apart: walks of neighbouring texels share no numbers.
     const std::uint64_t seed = request.seed + 0x9E3779B97F4A7C15ULL * k;
-    return std::make_unique<Simulation>(texels[k], widened(plan_of_texel(request, texels[k]), plan),
-                                        wi, estimator, request.cells, seed);
+    return std::make_unique<Simulation>(texels[k], plan_of_texel(request, k, plan), wi, estimator,
+                                        request.cells, seed);
   };
+  auto all = simulation_of(0);
+  if (monitor.keeper)
+    if (const RunKeeper::Found found = monitor.keeper->begin(*all); found.done)
+      return {std::move(all), found.seconds};
   const auto count = static_cast<double>(texels.size());
   std::uint64_t walks = whole_batches(static_cast<double>(rule.walks) / count);
-  if (rule.seconds) {
-    const auto pilot = simulation_of(texels.size() / 2);
-    StopRule share = rule;
-    share.walks = walks;
-    share.seconds = *rule.seconds / count;
-    run(*pilot, share, {}, monitor.stop);
-    walks = std::min(walks, whole_batches(static_cast<double>(pilot->walks())));
-  }
-  std::vector<BatchTally> batches(kBatches);
-  std::uint64_t done = 0;
-  for (std::size_t k = 0; k < texels.size() && !(monitor.is_stopped() && k > 0); ++k) {
-    const auto simulation = simulation_of(k);
-    simulation->advance(walks);
-    done += walks;
-    for (const BatchTally& batch : simulation->batches()) add(batches[k % kBatches], batch);
-    if (monitor.progress)
-      monitor.progress(fmt::format("texel {} of {}", k + 1, texels.size()),
-                       {done, walks * texels.size(), 0});
-  }
-  auto all = simulation_of(0);
-  const std::size_t size = all->batches().front().f.size();
-  for (int b = 0; b < kBatches; ++b) {
-    batches[static_cast<std::size_t>(b)].f.resize(size);
-    all->restore(b, std::move(batches[static_cast<std::size_t>(b)]), "");
-  }
-  all->restore_walks(done);
-  return all;
+  const double seconds = wall_seconds_of([&] {
+    if (rule.seconds) {
+      const auto pilot = simulation_of(texels.size() / 2);
+      StopRule share = rule;
+      share.walks = walks;
+      share.seconds = *rule.seconds / count;
+      run(*pilot, share, {}, monitor.stop);
+      walks = std::min(walks, whole_batches(static_cast<double>(pilot->walks())));
+    }
+    walk_into(*all, request, walks, simulation_of, monitor);
+  });
+  if (monitor.keeper && all->walks() == walks * texels.size()) monitor.keeper->end(*all, seconds);
+  return {std::move(all), seconds};
 }
 
 }  // namespace lamella

@@ -25,6 +25,12 @@ class FitsOfModels(ProgramTest):
         self.assertAlmostEqual(found["roughness"], stack["roughness"], delta=0.05)
         for channel, albedo in zip("rgb", stack["albedo"]):
             self.assertAlmostEqual(found[f"albedo.{channel}"], albedo, delta=0.02)
+        # Half way between the directions of the fit it is about as near.
+        self.assertTrue(answer["held_out"])
+        fitted = {lobe["mu_i"] for lobe in best["residues"]}
+        self.assertFalse(fitted & {wi["mu_i"] for wi in answer["held_out"]})
+        self.assertLess(best["held_out_relative_rmse"], 0.05)
+        self.assertGreater(best["held_out_relative_rmse"], 1e-4)
         # The page's numbers are those of a comparison with the model as --model has it.
         report = json.loads((self.folder / "sand/report.json").read_text())
         self.assertEqual(without(json.loads((self.folder / "sand/fit.json").read_text()), {"threads"}),

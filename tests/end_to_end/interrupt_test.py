@@ -54,6 +54,18 @@ class CtrlCKeepsWhatIsThere(ProgramTest):
         self.assertLess(seconds, self.LIMIT)
         check_schema("compare", answer.json())
 
+    def test_a_figure(self):
+        # Long ones: a solution, walks into every pixel, walks and fits of several stacks.
+        for name in ("vmf_figure_11", "spongecake_figure_15", "spongecake_figure_8"):
+            with self.subTest(name):
+                answer, seconds = self.interrupted("reproduce", name, "--quality", "final", "-o", name, "--json",
+                                                   "-", seconds=2)
+                self.assertEqual(answer.status, 0, str(answer))
+                self.assertLess(seconds, self.LIMIT)
+                self.assertTrue(answer.json()["interrupted"])
+                check_schema("reproduce", answer.json())
+                self.assertIn(f"{name} is not whole; kept: ", answer.err)
+
     def test_furnace(self):
         answer, seconds = self.interrupted("furnace", "sggx_slab", "--walks", "1e12", "--json", "-")
         self.assertEqual(answer.status, 0, str(answer))

@@ -175,14 +175,82 @@ class TheMeanOverAMap(MapsTest):
         answer = self.json_of("furnace", "a.toml", "--at", "mean", "--wi", "60", "--walks", "1e6", "--quiet")
         self.assertEqual(answer["verdict"], "pass")
 
-    def test_takes_no_solver_and_no_parts(self):
+    def test_takes_no_target_error(self):
         self.grey_exr("map.exr", [[0.2]])
-        for arguments, part in ((["--estimator", "deterministic"], "deterministic"),
-                                (["--target-error", "0.1"], "--target-error"),
-                                (["--shard", "1/2", "--walks", "1000", "-o", "1.part"], "--shard")):
-            error = self.refusal(SLAB + 'roughness = 0.5\nalbedo = "map.exr"\n', "--at", "mean", *arguments,
-                                 command=("simulate",))
-            self.assertIn(part, error)
+        error = self.refusal(SLAB + 'roughness = 0.5\nalbedo = "map.exr"\n', "--at", "mean", "--target-error", "0.1",
+                             command=("simulate",))
+        self.assertIn("--target-error", error)
+
+    HAZE = '[[layer]]\nmedium = "henyey_greenstein"\ng = 0.3\nthickness = 2\nalbedo = {}\n'
+
+    def test_is_solved_texel_by_texel_with_bounds_and_the_error_of_the_sample_apart(self):
+        self.grey_exr("map.exr", [[0.2, 0.6], [0.6, 0.2]])
+        self.write("a.toml", self.HAZE.format('{ map = "map.exr", filter = "nearest" }'))
+        answer = self.json_of("simulate", "a.toml", "--at", "mean", "--wi", "30", "--grid", "4x8", "--quiet")
+        # Two different texels: auto solves them.
+        self.assertEqual(answer["estimator"], "deterministic")
+        self.assertIn("2 of them different", answer["estimator_reason"])
+        run = answer["runs"][0]
+        total = 0
+        for albedo in (0.2, 0.6):
+            self.write("plain.toml", self.HAZE.format(f"{albedo:.9g}"))
+            plain = self.json_of("simulate", "plain.toml", "--wi", "30", "--grid", "4x8", "--quiet")["runs"][0]
+            total += plain["reflected"]["total"][0] / 2
+        self.assertAlmostEqual(run["reflected"]["total"][0], total, delta=run["reflected"]["standard_error"][0])
+        # Squares of the sample lie within texels: the sample has the map's mean.
+        self.assertEqual(run["map_error"]["reflected"], [0])
+
+    def test_by_the_solver_is_that_by_walks(self):
+        self.grey_exr("ramp.exr", [[0.1 + 0.1 * x for x in range(8)]])
+        self.write("a.toml", self.HAZE.format('"ramp.exr"'))
+        run = ["simulate", "a.toml", "--at", "mean", "--wi", "30", "--grid", "4x8", "--quiet"]
+        solved = self.json_of(*run, "--estimator", "deterministic", "--tolerance", "1e-2", "-o", "a.exr")["runs"][0]
+        walked = self.json_of(*run, "--walks", "256000")
+        self.assertEqual(walked["estimator"], "analog")
+        walked = walked["runs"][0]
+        # Both are of the same texels; walks leave 1 / sqrt(256000) of the light at most.
+        self.assertAlmostEqual(solved["reflected"]["total"][0], walked["reflected"]["total"][0], delta=5 / 256000**0.5)
+        bound, sample = solved["reflected"]["standard_error"][0], solved["map_error"]["reflected"][0]
+        self.assertLess(bound, 1e-3)
+        # Neighbouring squares differ by less than halves of the map do, which walks are judged by.
+        self.assertGreater(sample, 10 * bound)
+        self.assertLess(sample, walked["reflected"]["standard_error"][0])
+        self.assertIn("wi0.reflect.all.map_error.Y", self.lamella("show", "a.exr").out)
+
+    def test_judges_closed_forms_by_the_solver_without_noise(self):
+        self.grey_exr("map.exr", [[0.2, 0.6]])
+        self.write("a.toml", self.HAZE.format('{ map = "map.exr", filter = "nearest" }'))
+        answer = self.json_of("compare", "a.toml", "--at", "mean", "--wi", "30", "--grid", "4x8", "--quiet", "-o", "out",
+                              "--model", "single_scattering")
+        first = [lobe for lobe in answer["models"][0]["lobes"] if lobe["order"] == "1"]
+        self.assertEqual({lobe["verdict"] for lobe in first}, {"agrees"})
+        self.assertEqual(len(answer["map_error"]), 1)
+        self.assertEqual(self.json_of("furnace", "a.toml", "--at", "mean", "--wi", "30", "--quiet")["estimator"],
+                         "deterministic")
+
+    def test_is_divided_and_put_together_again(self):
+        self.grey_exr("ramp.exr", [[0.1 + 0.1 * x for x in range(8)]])
+        self.write("a.toml", self.HAZE.format('"ramp.exr"'))
+        for more in (["--walks", "51200"], ["--estimator", "deterministic", "--tolerance", "1e-2"]):
+            run = ["simulate", "a.toml", "--at", "mean", "--wi", "30", "--wi", "60", "--grid", "4x8", "--quiet", *more]
+            self.lamella(*run, "-o", "whole.exr")
+            for k in (1, 2, 3):
+                self.lamella(*run, "--shard", f"{k}/3", "-o", f"{k}.part")
+            self.lamella("merge", "1.part", "2.part", "3.part", "-o", "merged.exr", "--quiet")
+            self.assertEqual((self.folder / "whole.exr").read_bytes(), (self.folder / "merged.exr").read_bytes(), more)
+        # The picture is part of what parts are about.
+        self.grey_exr("ramp.exr", [[0.1 + 0.05 * x for x in range(8)]])
+        self.lamella(*run, "--shard", "2/3", "-o", "2.part")
+        self.assertIn("differs", self.lamella("merge", "1.part", "2.part", "3.part", "-o", "m.exr", status=2).err)
+
+    def test_goes_on_from_a_checkpoint(self):
+        self.grey_exr("map.exr", [[0.2, 0.6]])
+        self.write("a.toml", self.HAZE.format('"map.exr"'))
+        run = ["simulate", "a.toml", "--at", "mean", "--wi", "30", "--grid", "4x8", "--walks", "51200", "--quiet"]
+        self.lamella(*run, "-o", "whole.exr")
+        self.lamella(*run, "--checkpoint", "a.checkpoint", "-o", "kept.exr")
+        self.assertEqual((self.folder / "whole.exr").read_bytes(), (self.folder / "kept.exr").read_bytes())
+        self.assertFalse((self.folder / "a.checkpoint").exists())
 
 
 class WhatIsWrongWithAMapIsTold(MapsTest):

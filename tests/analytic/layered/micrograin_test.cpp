@@ -205,6 +205,70 @@ TEST(Micrograin, SamplersFollowTheirPdf) {
   }
 }
 
+// Of GGX, index 1.5.
+std::unique_ptr<Model> over_glass(double tau0, const char* surface = "lambert",
+                                  Rgb albedo = Rgb(0)) {
+  return make_model("micrograin", {{"tau0", tau0},
+                                   {"beta", 0.6},
+                                   {"surface", std::string(surface)},
+                                   {"albedo", albedo},
+                                   {"bulk", std::string("microfacet")},
+                                   {"bulk_material", std::string("dielectric")},
+                                   {"bulk_ior", 1.5},
+                                   {"bulk_roughness", 0.3}});
+}
+
+TEST(Micrograin, GlassPassesWhatTheGrainsAboveLeaveOfIt) {
+  const auto bare = over_glass(0), model = over_glass(0.4);
+  const Direction up = direction_from_degrees(55, 10), down = direction_from_degrees(155, 200);
+  const double seen = 1 - micrograin_tau_plus(up.z, 0.4, 0.6);
+  EXPECT_GT(bare->eval(up, down).r, 0);
+  EXPECT_NEAR(model->eval(up, down).r, seen * bare->eval(up, down).r, 1e-14);
+  EXPECT_NEAR(model->eval(down, up).r, seen * bare->eval(down, up).r, 1e-14);
+  // Radiance over n^2 is reciprocal.
+  EXPECT_NEAR(model->eval(up, down).r, 2.25 * model->eval(down, up).r, 1e-14);
+  // The light of black grains is that of the glass alone.
+  const auto passed = [&](const Model& m) {
+    return integrate_projected([&](Direction w) { return m.eval(up, w).r; }, -1, 1e-6);
+  };
+  EXPECT_NEAR(passed(*model), seen * passed(*bare), 1e-5);
+  // From below, the bases of grains are Lambertian discs.
+  const Direction other = direction_from_degrees(120, 0);
+  const auto white = over_glass(0.4, "lambert", Rgb(1));
+  EXPECT_NEAR(white->eval(down, other).r, 0.4 / kPi + 0.6 * bare->eval(down, other).r, 1e-14);
+  // What is opaque passes nothing, as before.
+  EXPECT_EQ(make_model("micrograin", {})->eval(up, down), Rgb());
+}
+
+TEST(Micrograin, OverGlassSamplersFollowTheirPdf) {
+  for (const double theta : {20.0, 75.0, 110.0, 160.0}) {
+    const auto model = over_glass(0.4, "conductor", Rgb(1));
+    const Direction wo = direction_from_degrees(theta, 40);
+    const auto pdf = [&](Direction wi) { return model->pdf(wi, wo); };
+    // What the sampler gives up on, by both counts.
+    double found = 0;
+    constexpr int kSamples = 200000;
+    double weight = 0, square = 0;
+    RandomStream stream(7, static_cast<std::uint64_t>(theta), StreamPurpose::measure);
+    for (int k = 0; k < kSamples; ++k) {
+      const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
+      const auto wi = model->sample(wo, u1, u2, u3);
+      if (!wi) continue;
+      found += 1.0 / kSamples;
+      const double w = model->eval(*wi, wo).r * std::abs(wi->z) / pdf(*wi);
+      weight += w / kSamples;
+      square += w * w / kSamples;
+    }
+    EXPECT_GT(found, 0.9) << theta;
+    // The mean weight is the integral over both sides, which cubature finds on its own.
+    const double whole =
+        integrate_projected([&](Direction w) { return model->eval(w, wo).r; }, 1, 1e-6) +
+        integrate_projected([&](Direction w) { return model->eval(w, wo).r; }, -1, 1e-6);
+    EXPECT_NEAR(weight, whole, 5 * std::sqrt((square - weight * weight) / kSamples) + 1e-4)
+        << theta;
+  }
+}
+
 TEST(Micrograin, FirstTermsOfTheSeriesKeepTheirStatedError) {
   double worst = 0;
   for (const double beta : {0.1, 0.5, 1.0})

@@ -32,6 +32,29 @@ TEST(Reproductions, HaveNamesOfTheirOwnAndAreFoundByThem) {
   EXPECT_EQ(find_reproduction("nonsense"), nullptr);
 }
 
+TEST(Reproductions, HaveEveryFigureThatTheyMakeByItsNumber) {
+  const std::pair<const char*, std::vector<int>> papers[] = {
+      {"vmf", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}},
+      {"lambert_sphere", {1, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}},
+      {"eon", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13}},
+      {"micrograin", {4, 5, 9, 10, 11, 12, 13, 14}},
+      {"spongecake", {1, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22}}};
+  for (const auto& [paper, figures] : papers)
+    for (const int k : figures)
+      EXPECT_NE(find_reproduction(std::string(paper) + "_figure_" + std::to_string(k)), nullptr)
+          << paper << ' ' << k;
+}
+
+TEST(Reproductions, EndWhereTheyAreStopped) {
+  StopFlag stop{false};
+  ReproductionContext context = quiet();
+  context.go_on();
+  context.stop = &stop;
+  context.go_on();
+  stop = true;
+  EXPECT_THROW(context.go_on(), FigureStopped);
+}
+
 TEST(Reproductions, KeepFindingsAsTheyAreTold) {
   ReproductionContext context = quiet();
   context.find("a", "b", true);
@@ -53,6 +76,9 @@ TEST(NumberRows, KeepNumbersAndTextsAndRefuseOtherCounts) {
   EXPECT_EQ(rows.rows()[0]["x"], 1.25);
   EXPECT_EQ(rows.rows()[0]["name"], "one");
   EXPECT_TRUE(rows.rows()[1]["x"].is_null());
+  // Who reads a table tells its columns by their titles; errors stand beside their values.
+  EXPECT_THROW(NumberRows(context, {{"x"}, {"y", "g", "x"}}), std::invalid_argument);
+  EXPECT_NO_THROW(NumberRows(context, {{"x"}, {"a", "g", "+-"}, {"y"}, {"b", "g", "+-"}}));
 }
 
 TEST(MapSheet, RefusesMapsOfTheWrongNumberOrSize) {
