@@ -172,7 +172,9 @@ double Vmf::density_of(Direction h) const {
 
 Vmf::MirrorLobe Vmf::mirror_lobe(Direction wi) const {
   const double area = is_delta() ? 0 : sigma(wi);
-  return {*this, wi, area > kUnderflow ? vmf_density(kappa_, 1) / (4 * area) : 0};
+  // vmf_density(kappa, 1), by coth(kappa), which the mean cosine has.
+  const double at_axis = (kappa_ * (1 + mean_cosine_) + 1) / (4 * kPi);
+  return {*this, wi, area > kUnderflow ? at_axis / (4 * area) : 0};
 }
 
 double Vmf::mirror_phase(Direction wi, Direction wo) const {
