@@ -126,8 +126,8 @@ void report_sampling(const std::string& what, const std::vector<SamplingPair>& p
 
 void measure_sampling(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
   tbb::task_arena one(1);
-  for (const char* name :
-       {"lambert_sphere_halfspace", "sggx_slab", "vmf_halfspace", "spongecake_two_layer"}) {
+  for (const char* name : {"lambert_sphere_halfspace", "sggx_slab", "vmf_halfspace", "vmf_sand",
+                           "spongecake_two_layer"}) {
     const Stack stack = load_stack(name);
     for (const Estimator estimator : {Estimator::next_event, Estimator::analog}) {
       const auto pairs = one.execute([&] { return measure_pairs(stack, estimator, effort, seed); });

@@ -307,4 +307,20 @@ LAMELLA_INLINE Floats gather(const float* table, Words index) {
                          hn::BitCast(hn::ScalableTag<std::int32_t>(), index.v));
 }
 
+/// table[index] and table[index + 1] per lane: half as many loads as two gathers take.
+LAMELLA_INLINE NumberPair<Floats> gather_pair(const float* table, Words index) {
+#if HWY_TARGET == HWY_AVX3
+  const __m512i at = index.v.raw;
+  const __m512 lower = _mm512_castpd_ps(_mm512_i32gather_pd(_mm512_castsi512_si256(at), table, 4));
+  const __m512 upper =
+      _mm512_castpd_ps(_mm512_i32gather_pd(_mm512_extracti64x4_epi64(at, 1), table, 4));
+  const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  const __m512i odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+  return {Floats(hn::Vec<Floats::Tag>{_mm512_permutex2var_ps(lower, even, upper)}),
+          Floats(hn::Vec<Floats::Tag>{_mm512_permutex2var_ps(lower, odd, upper)})};
+#else
+  return {gather(table, index), gather(table + 1, index)};
+#endif
+}
+
 }  // namespace lamella::LAMELLA_ISA

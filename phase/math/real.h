@@ -128,5 +128,13 @@ LAMELLA_INLINE double lookup(const double* table, std::uint32_t index) { return 
 LAMELLA_INLINE double gather(const float* table, std::uint32_t index) {
   return static_cast<double>(table[index]);
 }
+/// table[index] and table[index + 1].
+template <class Real>
+struct NumberPair {
+  Real first, second;
+};
+LAMELLA_INLINE NumberPair<double> gather_pair(const float* table, std::uint32_t index) {
+  return {gather(table, index), gather(table, index + 1)};
+}
 
 }  // namespace lamella

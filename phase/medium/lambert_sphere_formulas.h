@@ -53,18 +53,19 @@ template <class Real>
   return sqrt((Real(1) - u1) * (Real(1) - u2)) * (Real(2) * s * c) - sqrt(u1 * u2);
 }
 
-/// Exact sample of -w_o, w_o the direction that a white Lambertian sphere sends the light from w_i
-/// to: a normal among those that face w_i, by their projected area, and a direction about it by
-/// Lambert's law. Both are sums of a unit vector and a uniform point of the sphere (s1, s2), of
-/// which the first need not be normalised. Where the sums vanish so does the result, finite.
+/// The deflection from one uniform number in (0, 1], monotone in it, so that with an azimuth two
+/// numbers are a direction: 1 - cosine is w P(w), w the number's fourth root, P fitted so that the
+/// cumulative probability is within 1.4e-6 of the number (also on lanes of float).
 template <class Real>
-[[nodiscard, gnu::always_inline]] inline Vec3<Real> away_from_lambert_sphere(Vec3<Real> wi,
-                                                                             Vec3<Real> s1,
-                                                                             Vec3<Real> s2) {
+[[nodiscard, gnu::always_inline]] inline SineCosine<Real> lambert_sphere_deflection(Real uniform) {
   using std::sqrt;
-  const Vec3<Real> normal = wi + s1;
-  const Vec3<Real> v = normal + sqrt(dot(normal, normal)) * s2;
-  return -reciprocal_sqrt(max(dot(v, v), Real(1e-30))) * v;
+  const Real w = sqrt(sqrt(uniform)), t = multiply_add(w, Real(2), Real(-1));
+  const Real p = polynomial(t, 1.358652089748903, 0.7904771656996334, -0.18863239089131484,
+                            0.07520145294398145, -0.0479041401682353, -0.003407011773983726,
+                            0.012876018456701166, 0.09623537214627387, -0.15616474034162486,
+                            0.0006351052642408206, 0.11944401987415532, -0.057412166280201404);
+  const Real below = min(w * p, Real(2));
+  return {sqrt(nonnegative(below * (Real(2) - below))), Real(1) - below};
 }
 
 }  // namespace lamella

@@ -18,6 +18,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNothing = -1e10;
 // A projected area below which ratios are taken in log space.
 constexpr double kUnderflow = 1e-20;
+// A projected area below which light meets no flake: it is taken as 0.
+constexpr double kNoFlake = 1e-30;
+// A projected area from which on normals are tried one after the other.
+constexpr double kOftenSeen = 0.125;
 // Flakes narrower than this show their likeliest normal only; a quadrature would meet rounding.
 constexpr double kNarrow = 1e-5;
 
@@ -146,9 +150,13 @@ double Vmf::back_sigma(double x) const {
   const int piece = std::min(static_cast<int>(scaled), kPieces - 1);
   const double t = 2 * (scaled - piece) - 1;
   const auto& c = table_[piece];
-  double value = c[kDegree];
-  for (int j = kDegree - 1; j >= 0; --j) value = value * t + c[j];
-  return std::max(value, 0.0);
+  // Estrin's scheme: Horner's is one chain of dependent operations.
+  static_assert(kDegree == 8);
+  const double t2 = t * t, t4 = t2 * t2;
+  const double low = (c[0] + c[1] * t) + (c[2] + c[3] * t) * t2;
+  const double high = (c[4] + c[5] * t) + (c[6] + c[7] * t) * t2;
+  const double value = low + (high + c[8] * t4) * t4;
+  return value > kNoFlake ? value : 0;
 }
 
 double Vmf::sigma_of_cosine(double u) const {
@@ -164,7 +172,9 @@ double Vmf::density_of(Direction h) const {
 
 Vmf::MirrorLobe Vmf::mirror_lobe(Direction wi) const {
   const double area = is_delta() ? 0 : sigma(wi);
-  return {*this, wi, area > kUnderflow ? vmf_density(kappa_, 1) / (4 * area) : 0};
+  // vmf_density(kappa, 1), by coth(kappa), which the mean cosine has.
+  const double at_axis = (kappa_ * (1 + mean_cosine_) + 1) / (4 * kPi);
+  return {*this, wi, area > kUnderflow ? at_axis / (4 * area) : 0};
 }
 
 double Vmf::mirror_phase(Direction wi, Direction wo) const {
@@ -236,6 +246,10 @@ Direction Vmf::visible_normal(Direction wi, RandomStream& stream) const {
     // Not a number where both underflow, straight from behind narrow flakes.
     if (!(acceptance >= 0.25)) return normal_from_behind(wi, u, stream);
   }
+  // Where D itself is accepted often enough, its tries are the cheaper ones. (From the front sigma
+  // is above its last term.)
+  if (u * mean_cosine_ > kOftenSeen || sigma_of_cosine(u) > kOftenSeen)
+    return normal_by_tries(wi, u, stream);
   return normal_by_mixture(wi, u, stream);
 }
 
@@ -326,6 +340,27 @@ double gaussian_cosine(double a, double b, RandomStream& stream) {
 }
 
 }  // namespace
+
+Direction Vmf::normal_by_tries(Direction wi, double u, RandomStream& stream) const {
+  const double s = std::sqrt(std::max(0.0, (1 - u) * (1 + u)));
+  // 1 - exp(-2 kappa), by coth(kappa)
+  const double range = 2 / (1 + mean_cosine_ + 1 / kappa_);
+  // Nearly uniform normals would be rounded to none by the logarithm.
+  const bool concentrated = kappa_ > 1e-3;
+  for (;;) {
+    const auto [u1, u2, accept, unused] = stream.four_uniforms();
+    // 1 - z of a normal from D, as sample_normal has it.
+    const double depth = concentrated ? -std::log(1 - u1 * range) : -std::log1p(-u1 * range);
+    const double below = kappa_ > 0 ? std::min(depth / kappa_, 2.0) : 2 * u1;
+    const double r = std::sqrt(below * (2 - below));
+    const auto [sine, cosine] = sine_cosine_of_turns(u2);
+    // x along the tangent of w_i
+    const double x = r * cosine, z = 1 - below;
+    if (accept >= u * z + s * x) continue;
+    const Direction tangent = s > 1e-12 ? (1 / s) * (wi - u * axis_) : frame_around(axis_).s;
+    return renormalized(x * tangent + r * sine * cross(axis_, tangent) + z * axis_);
+  }
+}
 
 Direction Vmf::normal_by_mixture(Direction wi, double u, RandomStream& stream) const {
   const double s = std::sqrt(std::max(0.0, (1 - u) * (1 + u)));

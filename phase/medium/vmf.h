@@ -41,12 +41,12 @@ class Vmf {
   Vmf(double alpha, Direction axis);
 
   /// Projected area from a table of polynomials with the exact sigma(u) - sigma(-u): absolute error
-  /// below 1e-12.
+  /// below 1e-12; 0 where it is below 1e-30.
   [[nodiscard]] double sigma(Direction w) const { return sigma_of_cosine(dot(w, axis_)); }
   [[nodiscard]] double density_of(Direction h) const;
   /// Exact at every roughness by rejection with a bounded expected number of tries: the projected
   /// cosine is at most |u| times the axial plus sin times the tangential one, each of which can be
-  /// sampled; from far behind, in the frame of w_i instead.
+  /// sampled; from far behind, in the frame of w_i instead; normals from D where most face w_i.
   [[nodiscard]] Direction visible_normal(Direction wi, RandomStream& stream) const;
   /// The same distribution by VMF Diffuse's null collisions: normals from D, accepted with the
   /// projected cosine. Its cost is unbounded; kept as the independent check.
@@ -100,6 +100,7 @@ class Vmf {
 
   [[nodiscard]] double sigma_of_cosine(double u) const;
   [[nodiscard]] double back_sigma(double x) const;
+  [[nodiscard]] Direction normal_by_tries(Direction wi, double u, RandomStream& stream) const;
   [[nodiscard]] Direction normal_by_mixture(Direction wi, double u, RandomStream& stream) const;
   [[nodiscard]] Direction normal_from_behind(Direction wi, double u, RandomStream& stream) const;
 

@@ -17,7 +17,7 @@ SETS = 4  # kSets of volume/lanes/lane_pool.h
 LANES = {"sse4": 4, "avx2": 8, "avx512": 16}
 KERNEL = re.compile(
     r"lamella::isa_(\w+)::walks_of<0, lamella::OneMedium<lamella::isa_\w+::Lane<float>, "
-    r"lamella::(\w+)OnLanes>, lamella::NoScore>"
+    r"lamella::(\w+)OnLanes(?:, false)?>, lamella::NoScore>"
 )
 KINDS = [
     ("calls", r"call"),

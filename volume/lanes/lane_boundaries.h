@@ -52,7 +52,7 @@ struct BoundedState : LaneState<Real, C> {
 /// AnyMedia between boundaries, at which flights end.
 template <class Real>
 struct BoundedMedia : AnyMedia<Real> {
-  static constexpr bool kBounded = true;
+  static constexpr bool kBounded = true, kCountsSteps = true;
   using Base = AnyMedia<Real>;
   using Scalar = typename Base::Scalar;
   using Mask = MaskOf<Real>;
@@ -184,6 +184,20 @@ template <class Real, class Kind>
   const auto through = beyond > exp(-divide(e2 * wo_z, max(hidden, Real(1e-30))));
   const auto asks = below & (masking < Real(0.5));
   return without(passes, asks) | (asks & through);
+}
+
+/// The words of a meeting of the lanes `meets` with an interface: a step of its own.
+template <class Real, int C>
+LAMELLA_INLINE void draw_meeting(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
+                                 int count, MaskOf<Real> meets, LaneState<Real, C>& w,
+                                 WordsOf<Real>* words) {
+  using Words = WordsOf<Real>;
+  for (int j = 0; j < count; ++j) words[j] = w.numbers.next();
+  if (t.lattice == nullptr) return;
+  const auto early = is_below(w.step, Words(kLatticeSteps));
+  for (int j = 0; j < count; ++j)
+    words[j] = select(early, lattice_word(*t.lattice, j, w.step, w.point, w.shift), words[j]);
+  w.step = w.step + select(to_word_mask(meets), Words(1u), Words(0u));
 }
 
 /// Light of the lanes `active`, all at boundaries: reflected or refracted by chance, and perhaps

@@ -171,7 +171,7 @@ template <int C, class Set, class Score>
       if (met == 0) continue;
       const WalkNumbers<Words> before = w.numbers;
       Words words[kMostBoundaryWords];
-      for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
+      draw_meeting<Floats, C>(t.walk, t.walk.boundaries->words, lanes, w, words);
       if (met < walks) keep_others<C>(before, lanes, w);
       const BoundaryEnds<Floats> now = meet<AnyBoundaries, Floats, C>(t.walk, w, words, lanes);
       const FloatMask goes_on = set.hop(w.wi, now.lives, w.layer);
@@ -215,13 +215,14 @@ template <int C, class Set, class Score>
 /// Walks that no lane has, the last one first.
 template <int C>
 struct StoredWalks {
-  static constexpr int kMost = 4 * kSets * kLanes, kRoom = kMost + kLanes, kRows = 13 + C;
+  static constexpr int kMost = 4 * kSets * kLanes, kRoom = kMost + kLanes, kRows = 16 + C;
   int size = 0;
+  bool lattice = false;
   alignas(64) std::uint32_t rows[kRows][kRoom];
 
   /// f(a number of the walks, its row) for all that is stored.
   template <class F>
-  LAMELLA_INLINE static void each(BoundedState<Floats, C>& w, const F& f) {
+  LAMELLA_INLINE void each(BoundedState<Floats, C>& w, const F& f) const {
     const auto number = [&](Floats& x, int row) LAMELLA_INLINE_LAMBDA {
       Words bits = bits_of(x);
       f(bits, row);
@@ -231,6 +232,7 @@ struct StoredWalks {
     f(w.layer, 4), f(w.order, 5), f(w.index, 6), f(w.death, 7), f(w.met, 8);
     for (int k = 0; k < 4; ++k) f(w.numbers.s[k], 9 + k);
     for (int c = 0; c < C; ++c) number(w.weight[c], 13 + c);
+    if (lattice) f(w.point, 13 + C), f(w.shift, 14 + C), f(w.step, 15 + C);
   }
   LAMELLA_INLINE void push(BoundedState<Floats, C> w, FloatMask lanes) {
     each(w, [&](Words& x, int row)
@@ -269,6 +271,7 @@ struct QueuedWalks {
   BoundedWalks<C> all[kSets], packets[kSets];
 
   explicit QueuedWalks(const Setting& setting) : s(setting) {
+    ready.lattice = waiting.lattice = s.task.walk.lattice != nullptr;
     for (BoundedWalks<C>* walks : {all, packets})
       for (int k = 0; k < kSets; ++k) {
         empty(walks[k], s.incident);
@@ -322,7 +325,7 @@ struct QueuedWalks {
         if (step.count[k] == 0) continue;
         State& w = packets[k].state;
         Words words[kMostBoundaryWords];
-        for (int j = 0; j < t.walk.boundaries->words; ++j) words[j] = w.numbers.next();
+        draw_meeting<Floats, C>(t.walk, t.walk.boundaries->words, step.lanes[k], w, words);
         now[k] = meet<AnyBoundaries, Floats, C>(t.walk, w, words, step.lanes[k]);
         step.flights[k] =
             s.set.begin_flight(w.wi, exponential_of(words[0]), now[k].lives, w.layer, w.y);

@@ -10,7 +10,7 @@ using Score = NoScoreByIndex;
 
 template <template <class> class M>
 void walk_medium(const LaneWalkTask& t) {
-  return queued_walks_of<0, Set, Score, OneMedium<Floats, M>>(t, Score{});
+  return queued_walks_of<0, Set, Score, OneMedium<Floats, M, true>>(t, Score{});
 }
 
 // One layer without weights, of a medium that is known in advance. Whether it is one of them.

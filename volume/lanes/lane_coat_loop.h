@@ -11,7 +11,7 @@ namespace lamella::LAMELLA_ISA {
 
 /// The substrate as the only thing that scatters.
 struct SubstrateAlone {
-  static constexpr bool kSingle = false, kNull = true;
+  static constexpr bool kSingle = false, kCountsSteps = true;
   const WalkSetting<float>& t;
   LAMELLA_INLINE int words() const { return t.words; }
   template <class F>
@@ -34,7 +34,10 @@ struct CoatedWalks {
   /// Walks that the interface has let in.
   struct Pool : Setting::Pool {
     CoatedWalks& walks;
-    explicit Pool(CoatedWalks& owner) : walks(owner) { this->directed = true; }
+    explicit Pool(CoatedWalks& owner) : walks(owner) {
+      this->directed = true;
+      this->first_step = 1;  // the entry is one
+    }
     void fill(const LaneWalkTask& t, const Set& set) {
       const int left = this->to - this->from;
       Setting::Pool::fill(t, set);
@@ -56,11 +59,19 @@ struct CoatedWalks {
       w.death = Words::load(pool.death + k);
       w.wi = {Floats::load(pool.wi[0] + k), Floats::load(pool.wi[1] + k),
               Floats::load(pool.wi[2] + k)};
-      w.order = w.index = Words(0u);
+      w.order = w.index = w.step = Words(0u);
+      if (pool.lattice) {
+        w.point = Words::load(pool.point + k);
+        w.shift = Words::load(pool.shift + k);
+      }
       const FloatMask lanes = first_lanes<float>(n);
       const FloatMask stays = meet_interface<InterfaceSide::above>(packet, lanes, lanes);
       for (int j = 0; j < 4; ++j) store_compressed(w.numbers.s[j], stays, pool.numbers[j] + inside);
       store_compressed(w.death, stays, pool.death + inside);
+      if (pool.lattice) {
+        store_compressed(w.point, stays, pool.point + inside);
+        store_compressed(w.shift, stays, pool.shift + inside);
+      }
       store_compressed(w.wi.x, stays, pool.wi[0] + inside);
       store_compressed(w.wi.y, stays, pool.wi[1] + inside);
       store_compressed(w.wi.z, stays, pool.wi[2] + inside);
@@ -76,7 +87,7 @@ struct CoatedWalks {
   LAMELLA_INLINE FloatMask meet_interface(Walks& walks, FloatMask lanes, FloatMask lives) {
     BoundedState<Floats, 0>& w = walks.state;
     Words words[Kind<kFrom>::kWords];
-    for (Words& word : words) word = w.numbers.next();
+    draw_meeting<Floats, 0>(s.task.walk, Kind<kFrom>::kWords, lives, w, words);
     const BoundaryEnds<Floats> now = meet<Kind<kFrom>, Floats, 0>(s.task.walk, w, words, lives);
     w.met = Words(3u);  // one rough boundary since the last event
     Words bits = select(to_word_mask(now.lost), Words(kLostBit), Words(0u));

@@ -26,17 +26,16 @@ enum LayerField {
   kG,            ///< henyey_greenstein
   kA,            ///< SGGX: A of S = A A^T: a00 a10 a11 a20 a21 a22; particles: the unit matrix
   kInverse = 9,  ///< SGGX: A^-1 in the same order
-  kDensityScale = 15,  ///< SGGX mirrors: 1 / (4 pi det A); vMF mirrors: D(axis) / 4
-  kUp,                 ///< vMF: 1 or -1, z of the mean normal
-  kFront,              ///< vMF: sigma(1)
-  kBack,               ///< vMF: sigma(-1)
-  kSide,               ///< vMF: sigma(0)
-  kKappa,              ///< vMF
-  kMean,               ///< vMF: cosine of the mean normal with the axis
-  kReach,              ///< vMF: beyond this |u| sigma(u) is u times the latter, or 0
-  kTable,              ///< vMF: where its tables begin, in pieces
-  kAlbedo,             ///< three channels
-  kF0 = kAlbedo + 3,   ///< three channels; 1 where there is no Fresnel factor
+  kDensityScale = 15,    ///< SGGX mirrors: 1 / (4 pi det A); vMF mirrors: D(axis) / 4
+  kAxis,                 ///< vMF: the mean normal
+  kAcross = kAxis + 3,   ///< vMF: a direction perpendicular to it
+  kKappa = kAcross + 3,  ///< vMF
+  kWidth,                ///< vMF: 1 / sqrt(kappa + 1); 0 for other media
+  kReach,                ///< vMF: 1 / min(1, kLargestBehind width)
+  kMean,                 ///< vMF: cosine of the mean normal with the axis
+  kTable,                ///< vMF: where its tables begin, in patches
+  kAlbedo,               ///< three channels
+  kF0 = kAlbedo + 3,     ///< three channels; 1 where there is no Fresnel factor
   kLayerFields = kF0 + 3
 };
 
@@ -44,14 +43,10 @@ enum LayerField {
 template <class Scalar>
 struct LayerNumbers {
   Scalar value[kLayerFields][kMostLaneLayers] = {};
-  /// Tables of vMF layers (volume/lanes/lane_marginals.h), one after the other.
+  /// Tables of vMF layers (volume/lanes/lane_normals.h), those of all layers first.
   const float* tables = nullptr;
 };
 
-/// Cubics of each of the tables of a vMF layer.
-inline constexpr int kMarginalPieces = 256;
-/// Tables of a vMF layer: three marginals, and sigma.
-inline constexpr int kVmfTables = 4;
 /// What an exponential number on lanes is at most.
 inline constexpr double kLargestExponential = 22.2;
 

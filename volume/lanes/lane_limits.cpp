@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volume/lanes/lane_marginals.h"
 #include "volume/lanes/lane_run.h"
 #include "volume/lanes/lane_setting.h"
 #include "volume/lanes/lane_ways.h"
@@ -16,11 +15,9 @@ namespace {
 
 constexpr double kDeepest = 1e4;  // a place in the bulk is rounded to 1e-3 of a mean free path
 constexpr double kNarrowestSggx = 0.02;  // smallest diagonal entry of A, over the largest
-constexpr double kNarrowestVmf = 0.01;   // alpha
+constexpr double kNarrowestVmf = 1e-3;   // alpha
 constexpr double kNarrowestHg = 0.97;    // at 0.99 thin layers are off by 5e-5
 constexpr double kMostGrazingPoint = 1e-4;
-constexpr double kVertical = 1 - 1e-9;  // |z| of a vertical mean normal
-constexpr double kDeepestFromBehind = 100;
 constexpr std::uint64_t kMostTabulatedOrders = kThinnedMaxOrder;
 
 // A medium that walks on lanes has an overload here; any other walks in double.
@@ -41,12 +38,8 @@ std::optional<std::string> why_not_flakes(const Sggx& ndf, double) {
     return "SGGX flakes this narrow ask for double";
   return std::nullopt;
 }
-std::optional<std::string> why_not_flakes(const Vmf& ndf, double depth) {
+std::optional<std::string> why_not_flakes(const Vmf& ndf, double) {
   if (ndf.alpha() < kNarrowestVmf) return "vMF flakes this narrow ask for double";
-  // Light that sees their backs meets almost only null collisions, in proportion to its path.
-  const double up = ndf.axis().z;
-  if (std::abs(up) < kVertical || (up < 0 && depth > kDeepestFromBehind))
-    return "tilted vMF flakes, or deep ones that face down, ask for too many null collisions";
   return std::nullopt;
 }
 template <class Ndf>

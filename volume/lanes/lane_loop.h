@@ -67,7 +67,7 @@ template <int C, class State>
 struct LoopTotals {
   std::uint64_t steps = 0;        ///< of sets
   std::uint64_t carried = 0;      ///< lanes that had a walk at a step
-  std::uint64_t events = 0;       ///< where collisions may be null
+  std::uint64_t events = 0;       ///< where meetings with interfaces are steps, too
   std::uint64_t reflections = 0;  ///< at the substrate
   // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
   // event wrong with z, and at the last one count_all sees it, unless the walk was absorbed by it
@@ -123,7 +123,7 @@ LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Fl
   if (pool.lattice) {
     w.point = word(pool.point, w.point);
     w.shift = word(pool.shift, w.shift);
-    w.step = select(words, Words(0u), w.step);
+    w.step = select(words, Words(pool.first_step), w.step);
   }
   if constexpr (C > 0)
     for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
@@ -196,7 +196,6 @@ LAMELLA_INLINE void count_ends(const LoopSetting<C, Set, Score>& s, LaneWalks<C>
     walks.free_count += fallen;
   }
   totals.carried += static_cast<std::uint64_t>(kFull ? kLanes : count(active));
-  if constexpr (Set::kNull) totals.events += static_cast<std::uint64_t>(count(now.events));
   if constexpr (!Set::kSingle)
     totals.reflections += static_cast<std::uint64_t>(count(now.reflections));
 }
@@ -338,7 +337,7 @@ template <int C, class Set, class Score>
   LaneSums& sums = close(s, ended, totals);
   if (absorbs)
     sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
-  sums.events += Set::kNull ? totals.events : totals.carried;
+  sums.events += totals.carried;
 }
 
 }  // namespace lamella::LAMELLA_ISA

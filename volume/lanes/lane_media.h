@@ -2,12 +2,11 @@
 
 // The media as walks on lanes meet them: which words of an event are spent on what. The formulas
 // are those of phase, for lanes of float and for double alike. A medium here has
-//   kNull: whether `collide` may refuse (a null collision, flight being by a majorant of sigma);
 //   kDiffuse: whether a flake reflects by Lambert's law, its normal drawn by `collide`;
 //   kMirror: whether Schlick's factor may apply to it;
 //   kWords: words that an event takes, the free flight's first one among them;
-//   inverse_area(w): 1 / sigma(w), or of its majorant;
-//   collide(wi, words): the event, with `accepted` where kNull;
+//   inverse_area(w): 1 / sigma(w);
+//   collide(wi, words): the event;
 //   sample(event, words): the next w_i, which is -w_o, and the cosine with the mirror's normal;
 //   density(event, w_o): p, or its estimate given the event.
 
@@ -15,9 +14,9 @@
 #include "phase/medium/lambert_sphere_formulas.h"
 #include "phase/medium/rayleigh_formulas.h"
 #include "phase/medium/sggx_formulas.h"
-#include "phase/medium/vmf_mixture.h"
 #include "phase/random/block_random.h"
 #include "volume/lanes/lane_layers.h"
+#include "volume/lanes/lane_normals.h"
 
 namespace lamella {
 
@@ -25,7 +24,6 @@ template <class Real>
 struct LaneEvent {
   Vec3<Real> wi, normal;
   Real inverse_sigma;
-  MaskOf<Real> accepted;
 };
 
 /// Every lane.
@@ -65,24 +63,23 @@ template <class Real>
 
 template <class Real>
 struct ParticleOnLanes {
-  static constexpr bool kNull = false, kDiffuse = false, kMirror = false;
+  static constexpr bool kDiffuse = false, kMirror = false;
   LAMELLA_INLINE Real inverse_area(Vec3<Real>) const { return Real(1); }
   LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
-    return {wi, wi, Real(1), every_lane<Real>()};
+    return {wi, wi, Real(1)};
   }
 };
 
 template <class Real>
 struct LambertSphereOnLanes : ParticleOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::lambert_sphere;
-  static constexpr int kWords = 5;
+  static constexpr int kWords = 3;
   template <class Reader>
   LAMELLA_INLINE explicit LambertSphereOnLanes(const Reader&) {}
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
                                           const WordsOf<Real>* words) const {
-    return {away_from_lambert_sphere(e.wi, sphere_point_of<Real>(words + 1),
-                                     sphere_point_of<Real>(words + 3)),
-            Real(1)};
+    const auto polar = lambert_sphere_deflection<Real>(fine_uniform_of(words[1]));
+    return {deflect(e.wi, polar, azimuth_of(words[2])), Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_sphere_phase(-dot(e.wi, wo));
@@ -136,7 +133,6 @@ template <class Real, class Reader>
 /// Matrix: SggxMatrix, or UprightSggxMatrix where that is all there is to it.
 template <class Real, template <class> class Matrix>
 struct SggxOnLanes {
-  static constexpr bool kNull = false;
   Matrix<Real> a;
   template <class Reader>
   LAMELLA_INLINE explicit SggxOnLanes(const Reader& n)
@@ -164,7 +160,7 @@ struct SggxMirrors : SggxOnLanes<Real, Matrix> {
         inverse(matrix_of<Real>(n, kInverse, static_cast<const Matrix<Real>*>(nullptr))),
         density_scale(n(kDensityScale)) {}
   LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
-    return {wi, wi, this->inverse_area(wi), every_lane<Real>()};
+    return {wi, wi, this->inverse_area(wi)};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
                                           const WordsOf<Real>* words) const {
@@ -195,7 +191,7 @@ struct SggxLambertians : SggxOnLanes<Real, Matrix> {
   using SggxOnLanes<Real, Matrix>::SggxOnLanes;
   LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
     const Vec3<Real> m = this->along_normal(wi, words + 1);
-    return {wi, reciprocal_sqrt(max(dot(m, m), Real(1e-30))) * m, Real(1), every_lane<Real>()};
+    return {wi, reciprocal_sqrt(max(dot(m, m), Real(1e-30))) * m, Real(1)};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
                                           const WordsOf<Real>* words) const {
@@ -215,74 +211,151 @@ using UprightSggxMirrorOnLanes = SggxMirrors<Real, UprightSggxMatrix>;
 template <class Real>
 using UprightSggxLambertOnLanes = SggxLambertians<Real, UprightSggxMatrix>;
 
-/// vMF flakes about a vertical axis: flight by the mixture's majorant, normals from the mixture by
-/// tabulated marginals; the acceptance is sigma over that majorant, at least 0.7 from the front.
+/// vMF flakes: sigma and normals by the tables of volume/lanes/lane_normals.h, whose header has the
+/// symbols.
 template <class Real>
 struct VmfOnLanes {
-  static constexpr bool kNull = true;
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
-  Real up;  ///< 1 where the mean normal points up, -1 where down
-  VisibleNormalMixture<Real> mixture;
-  Real mean, reach;
-  Words first_piece;
+  Vec3<Real> axis, across;  ///< across: some direction perpendicular to the axis
+  Real kappa, mean;
+  Real width, reach;  ///< 1 / sqrt(kappa + 1); 1 / min(1, kLargestBehind width)
+  Words first_patch;
   const float* tables;
   template <class Reader>
   LAMELLA_INLINE explicit VmfOnLanes(const Reader& n)
-      : up(n(kUp)),
-        mixture{n(kFront), n(kBack), n(kSide)},
+      : axis{n(kAxis), n(kAxis + 1), n(kAxis + 2)},
+        across{n(kAcross), n(kAcross + 1), n(kAcross + 2)},
+        kappa(n(kKappa)),
         mean(n(kMean)),
+        width(n(kWidth)),
         reach(n(kReach)),
-        first_piece(word_of(n(kTable))),
+        first_patch(word_of(n(kTable))),
         tables(n.numbers.tables) {}
 
-  LAMELLA_INLINE Real inverse_area(Vec3<Real> w) const {
-    using std::sqrt;
-    const Real s = sqrt(multiply_add(w.x, w.x, w.y * w.y));
-    // Nothing faces the light that comes straight from behind narrow flakes.
-    return reciprocal(max(mixture.majorant(up * w.z, s), Real(1e-30)));
+  /// The coordinate of rows from behind, which sigma has, too.
+  LAMELLA_INLINE Real row_from_behind(Real u) const {
+    using std::abs, std::sqrt;
+    const Real s = sqrt(nonnegative(multiply_add(-u, u, Real(1))));
+    return abs(u) * reciprocal(Real(1) + s) * reach;
   }
-  /// The cubic of a table, x in [0, kMarginalPieces).
-  LAMELLA_INLINE Real tabulated(Words table, Real x) const {
+  LAMELLA_INLINE Real sigma_of(Real u, Real row) const {
+    using std::exp;
+    const Real x = min(row * Real(kSigmaPieces), Real(kSigmaPieces - 1e-5));
     const Words piece = word_of(x);
     const Real t = x - number_of(piece);
-    const Words at = shift_left<2>(first_piece + table + piece);
-    Real value = multiply_add(t, gather(tables + 3, at), gather(tables + 2, at));
-    value = multiply_add(t, value, gather(tables + 1, at));
-    return multiply_add(t, value, gather(tables, at));
+    const Words at = shift_left<2>(shift_left<2>(first_patch) + piece);
+    const auto low = gather_pair(tables, at), high = gather_pair(tables + 2, at);
+    Real log = multiply_add(t, high.second, high.first);
+    log = multiply_add(t, log, low.second);
+    log = multiply_add(t, log, low.first);
+    return multiply_add(nonnegative(u), mean, exp(-log));
   }
-  /// sigma(w), absolute error below 2e-7.
+  /// sigma(w), relative error below 1e-5 where it is above 1e-30.
   LAMELLA_INLINE Real sigma(Vec3<Real> w) const {
-    using std::abs;
-    const Real u = up * w.z;
-    const Real x = multiply_add(u * reciprocal(reach), Real(0.5 * kMarginalPieces),
-                                Real(0.5 * kMarginalPieces));
-    const Real near =
-        tabulated(Words(3u * kMarginalPieces), min(nonnegative(x), Real(kMarginalPieces - 1e-3)));
-    return nonnegative(select(abs(u) < reach, near, u * mean));
+    const Real u = dot(w, axis);
+    return sigma_of(u, row_from_behind(u));
   }
-  LAMELLA_INLINE LaneEvent<Real> draw(Vec3<Real> wi, const Words* words) const {
-    using std::cbrt, std::sqrt;
-    const Real u = up * wi.z, s2 = multiply_add(wi.x, wi.x, wi.y * wi.y);
-    const Real inverse_s = reciprocal_sqrt(max(s2, Real(1e-10))), s = s2 * inverse_s;
+  LAMELLA_INLINE Real inverse_area(Vec3<Real> w) const {
+    // Nothing faces the light that comes straight from behind narrow flakes.
+    return reciprocal(max(sigma(w), Real(1e-30)));
+  }
+  /// A sheet's bicubic patch at its coordinates in [0, 1].
+  template <int rows, int columns>
+  LAMELLA_INLINE Real patched(Words sheet, Real row, Real column) const {
+    const Real x = min(row * Real(rows), Real(rows - 1e-5));
+    const Real y = min(column * Real(columns), Real(columns - 1e-5));
+    const Words i = word_of(x), j = word_of(y);
+    const Real r = x - number_of(i), c = y - number_of(j);
+    const Words at = shift_left<4>(sheet + i * Words(columns) + j);
+    const auto across_columns = [&](int power) LAMELLA_INLINE_LAMBDA {
+      const float* from = tables + 4 * power;
+      const auto low = gather_pair(from, at), high = gather_pair(from + 2, at);
+      Real value = multiply_add(c, high.second, high.first);
+      value = multiply_add(c, value, low.second);
+      return multiply_add(c, value, low.first);
+    };
+    Real value = multiply_add(r, across_columns(3), across_columns(2));
+    value = multiply_add(r, value, across_columns(1));
+    return multiply_add(r, value, across_columns(0));
+  }
+  /// An exponential number from all bits but the first: the second half of the words counts from
+  /// its end.
+  struct Half {
+    Mask upper;
+    Real exponential;
+    LAMELLA_INLINE explicit Half(Words word)
+        : upper(!to_float_mask(equal(word & Words(0x80000000u), Words(0u)))),
+          exponential(exponential_of(
+              shift_left<1>(select(to_word_mask(upper), word ^ Words(0xFFFFFFFFu), word)))) {}
+    /// Its column.
+    LAMELLA_INLINE Real column() const {
+      using std::sqrt;
+      const double start = std::sqrt(kColumnStart);
+      const double scale = 1 / (std::sqrt(kLargestExponential + kColumnStart) - start);
+      return multiply_add(sqrt(exponential + Real(kColumnStart)), Real(scale),
+                          Real(-start * scale));
+    }
+  };
+  /// Sine and cosine of |g| by c.
+  LAMELLA_INLINE SineCosine<Real> side_angle(Real c, const Half& side) const {
+    using std::abs, std::cbrt;
+    const Real x = nonnegative(c - Real(kLeastFront));
+    const Real r = multiply_add(x * reciprocal(x + Real(kFrontPlace)), Real(2), Real(-1));
+    const Real t = multiply_add(side.column(), Real(2), Real(-1));
+    Real value(0);
+#pragma GCC unroll 16
+    for (int i = kFrontRows - 1; i >= 0; --i) {
+      Real row(tables[i * kFrontColumns + kFrontColumns - 1]);
+#pragma GCC unroll 16
+      for (int j = kFrontColumns - 2; j >= 0; --j)
+        row = multiply_add(row, t, Real(tables[i * kFrontColumns + j]));
+      value = multiply_add(value, r, row);
+    }
+    auto angle = sine_cosine_of_half_turns(value * reciprocal_sqrt(x + Real(kFrontScale)));
+    const Mask back = c < Real(kLeastFront);
+    if (!any(back)) return angle;
+    const Real size = abs(c);
+    const Real cube = max(side.exponential * Real(1 / kLargestExponential), Real(1e-20));
+    const Real behind = patched<kSideRows, kSideColumns>(
+        Words(kSidePatch), size * reciprocal(size + Real(4)), cbrt(cube));
+    const auto rest = sine_cosine_of_half_turns(behind * reciprocal(size + Real(2)));
+    return {select(back, rest.cosine, angle.sine), select(back, rest.sine, angle.cosine)};
+  }
+  /// A visible normal from two words.
+  LAMELLA_INLINE Vec3<Real> normal(Vec3<Real> wi, Real u, Real row_behind,
+                                   const Words* words) const {
+    using std::abs;
+    const Vec3<Real> flat = wi - u * axis;
+    const Real s2 = dot(flat, flat), inverse_s = reciprocal_sqrt(max(s2, Real(1e-10)));
+    const Real s = s2 * inverse_s;
     const Mask at_pole = s2 < Real(1e-10), behind = u < Real(0);
-    const Real tangent_x = select(at_pole, Real(1), inverse_s * wi.x);
-    const Real tangent_y = select(at_pole, Real(0), inverse_s * wi.y);
-    const Mask is_axial = uniform_of(words[1]) * mixture.majorant(u, s) < mixture.axial(u);
-    // 1 - the cosine with the axis, by cubics in t: the root or cube root of an exponential number.
-    const Real e = max(exponential_of(words[2]) * Real(1 / kLargestExponential), Real(1e-20));
-    const Real t = select(is_axial, sqrt(e), cbrt(e));
-    const auto table = [](unsigned n) { return Words(n * kMarginalPieces); };
-    const auto word_mask = [](Mask m) { return to_word_mask(m); };
-    const Words which =
-        select(word_mask(is_axial), select(word_mask(behind), table(1), table(0)), table(2));
-    const Real below =
-        tabulated(which, min(t * Real(kMarginalPieces), Real(kMarginalPieces - 1e-3)));
-    const Vec3<Real> m = proposed_normal<Real>(is_axial, below, signed_uniform_of(words[3]));
-    return {wi,
-            {m.x * tangent_x - m.y * tangent_y, m.x * tangent_y + m.y * tangent_x, up * m.z},
-            Real(1),
-            takes_visible_normal(u, s, m, uniform_of(words[4]))};
+    const auto along = [&](Real at, Real pole)
+                           LAMELLA_INLINE_LAMBDA { return select(at_pole, pole, inverse_s * at); };
+    const Vec3<Real> tangent{along(flat.x, across.x), along(flat.y, across.y),
+                             along(flat.z, across.z)};
+    const Half plane(words[0]), side(words[1]);
+    constexpr unsigned kSheet = kNormalRows * kNormalColumns;
+    const auto word = [](Mask m, unsigned value) LAMELLA_INLINE_LAMBDA {
+      return select(to_word_mask(m), Words(value), Words(0u));
+    };
+    const Words sheet = first_patch + Words(kSigmaPieces / 4) + word(!behind, 2 * kSheet) +
+                        word(plane.upper, kSheet);
+    const Real ahead = nonnegative(u) * reciprocal(multiply_add(width * s, Real(2), abs(u)));
+    const Real row = select(behind, row_behind, ahead);
+    const Real angle = patched<kNormalRows, kNormalColumns>(sheet, row, plane.column());
+    // root = 1 / width; d has the scale kappa |u| + root, b the scale root.
+    const Real scale =
+        select(behind, width * reciprocal(multiply_add(kappa * width, -u, Real(1))), width);
+    const auto turned = sine_cosine_of_half_turns(angle * scale);
+    // From d to b = d - arcsin(u) where it is d.
+    const Real turn_sine = select(behind, -u, Real(0)), turn_cosine = select(behind, s, Real(1));
+    const Real cosine = turned.cosine * turn_cosine - turned.sine * turn_sine;
+    const Real sine = multiply_add(turned.sine, turn_cosine, turned.cosine * turn_sine);
+    const auto beside = side_angle(kappa * cosine, side);
+    const Real rho = beside.cosine, y = select(side.upper, beside.sine, -beside.sine);
+    const Vec3<Real> binormal = cross(axis, tangent);
+    return y * binormal + (rho * cosine) * axis + (rho * sine) * tangent;
   }
 };
 
@@ -290,14 +363,15 @@ template <class Real>
 struct VmfLambertOnLanes : VmfOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::vmf_lambert;
   static constexpr bool kDiffuse = true, kMirror = false;
-  static constexpr int kWords = 7;
+  static constexpr int kWords = 5;
   using VmfOnLanes<Real>::VmfOnLanes;
   LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
-    return this->draw(wi, words);
+    const Real u = dot(wi, this->axis);
+    return {wi, this->normal(wi, u, this->row_from_behind(u), words + 1), Real(1)};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
                                           const WordsOf<Real>* words) const {
-    return {next_by_lambert(e.normal, words + 5), Real(1)};
+    return {next_by_lambert(e.normal, words + 3), Real(1)};
   }
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {
     return lambert_flake_density(e, wo);
@@ -308,15 +382,16 @@ template <class Real>
 struct VmfMirrorOnLanes : VmfOnLanes<Real> {
   static constexpr auto kKind = LaneMediumKind::vmf_mirror;
   static constexpr bool kDiffuse = false, kMirror = true;
-  static constexpr int kWords = 5;
-  Real kappa, density_scale;
+  static constexpr int kWords = 3;
+  Real density_scale;
   template <class Reader>
   LAMELLA_INLINE explicit VmfMirrorOnLanes(const Reader& n)
-      : VmfOnLanes<Real>(n), kappa(n(kKappa)), density_scale(n(kDensityScale)) {}
+      : VmfOnLanes<Real>(n), density_scale(n(kDensityScale)) {}
   LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>* words) const {
-    LaneEvent<Real> e = this->draw(wi, words);
-    e.inverse_sigma = reciprocal(max(this->sigma(wi), Real(1e-6)));
-    return e;
+    const Real u = dot(wi, this->axis);
+    const Real row = this->row_from_behind(u);
+    return {wi, this->normal(wi, u, row, words + 1),
+            reciprocal(max(this->sigma_of(u, row), Real(1e-6)))};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e, const WordsOf<Real>*) const {
     const Real along = dot(e.wi, e.normal);
@@ -327,12 +402,14 @@ struct VmfMirrorOnLanes : VmfOnLanes<Real> {
     using std::abs, std::exp, std::sqrt;
     const Vec3<Real> h = e.wi + wo;
     // 1 - cosine without cancellation: sine^2 / (1 + cosine) in front.
-    const Real along = this->up * h.z, across = multiply_add(h.x, h.x, h.y * h.y);
-    const Real inverse2 = reciprocal(max(multiply_add(along, along, across), Real(1e-20)));
+    const Real along = dot(h, this->axis);
+    const Vec3<Real> flat = h - along * this->axis;
+    const Real flat2 = dot(flat, flat);
+    const Real inverse2 = reciprocal(max(multiply_add(along, along, flat2), Real(1e-20)));
     const Real cosine = min(along * sqrt(inverse2), Real(1));
-    const Real below = select(
-        along > Real(0), across * inverse2 * reciprocal(Real(1) + abs(cosine)), Real(1) - cosine);
-    return exp(-(kappa * below)) * density_scale * e.inverse_sigma;
+    const Real below = select(along > Real(0), flat2 * inverse2 * reciprocal(Real(1) + abs(cosine)),
+                              Real(1) - cosine);
+    return exp(-(this->kappa * below)) * density_scale * e.inverse_sigma;
   }
 };
 
@@ -340,12 +417,12 @@ struct VmfMirrorOnLanes : VmfOnLanes<Real> {
 template <class Real>
 struct SubstrateOnLanes {
   static constexpr auto kKind = LaneMediumKind::substrate;
-  static constexpr bool kNull = false, kDiffuse = true, kMirror = false;
+  static constexpr bool kDiffuse = true, kMirror = false;
   static constexpr int kWords = 3;
   template <class Reader>
   LAMELLA_INLINE explicit SubstrateOnLanes(const Reader&) {}
   LAMELLA_INLINE LaneEvent<Real> collide(Vec3<Real> wi, const WordsOf<Real>*) const {
-    return {wi, {Real(0), Real(0), Real(1)}, Real(1), every_lane<Real>()};
+    return {wi, {Real(0), Real(0), Real(1)}, Real(1)};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e,
                                           const WordsOf<Real>* words) const {

@@ -82,7 +82,7 @@ struct StoredEvents {
   [[nodiscard]] LAMELLA_INLINE LaneEvent<Floats> of(int lane) const {
     const Vec3<Floats> w{Floats(numbers[0][lane]), Floats(numbers[1][lane]),
                          Floats(numbers[2][lane])};
-    return {w, w, Floats(numbers[3][lane]), every_lane<Floats>()};
+    return {w, w, Floats(numbers[3][lane])};
   }
 };
 
@@ -244,7 +244,7 @@ struct NextEventOnLanes {
     if (cells) {
       WordBlock block = LaneNumbers(t)(w.order, kLaneTargetStream, w.index);
       if (t.walk.lattice != nullptr) {
-        const Words step = steps_taken < !All::value || M::kNull > (w);
+        const Words step = w.order;
         const WordMask early = is_below(step, Words(kLatticeSteps));
         for (int k = 0; k < 2; ++k)
           block.w[k] = select(
@@ -341,7 +341,7 @@ struct NextEventOnLanes {
     const auto& numbers = *t.walk.layers;
     const auto area = [&](int k) LAMELLA_INLINE_LAMBDA {
       const OneLayer<Floats> at{numbers, k};
-      if (numbers.value[kFront][k] > 0) return VmfOnLanes<Floats>(at).sigma(-wo);
+      if (numbers.value[kWidth][k] > 0) return VmfOnLanes<Floats>(at).sigma(-wo);
       return projected_area(SggxOnLanes<Floats, SggxMatrix>(at).a, -wo);
     };
     Floats sum(0);

@@ -40,6 +40,7 @@ struct LanePool {
   alignas(64) std::uint32_t death[kRoom];
   alignas(64) std::uint32_t layer[kRoom];
   bool lattice = false;
+  std::uint32_t first_step = 0;  // of the walks in lanes
   alignas(64) std::uint32_t point[kRoom];
   alignas(64) std::uint32_t shift[kRoom];
   alignas(64) float y[kRoom];

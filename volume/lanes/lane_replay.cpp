@@ -21,33 +21,33 @@ WalkNumbers<std::uint32_t> numbers_of(std::uint64_t seed, std::uint64_t index) {
 
 // One walk through a stack with interfaces; its row of ends, see lane_step.h.
 template <int C>
-int replay_bounded(const LaneSetting<double>& setting, BoundedState<double, C>& w,
+int replay_bounded(const WalkSetting<double>& walk, BoundedState<double, C>& w,
                    LaneEnds<double>& now, BatchTally& tally) {
-  const BoundedMedia<double> set(setting.walk);
-  if (!begin<C>(setting.walk, set, static_cast<LaneState<double, C>&>(w), true))
-    return straight_row<true>(setting.walk.from_above);
+  const BoundedMedia<double> set(walk);
+  if (!begin<C>(walk, set, static_cast<LaneState<double, C>&>(w), true))
+    return straight_row<true>(walk.from_above);
   for (;;) {
     double remaining = 0;
     if (set.is_at_boundary(w.layer)) {
       std::uint32_t words[kMostBoundaryWords];
-      for (int j = 0; j < setting.boundaries.words; ++j) words[j] = w.numbers.next();
-      const BoundaryEnds<double> at = meet<AnyBoundaries, double, C>(setting.walk, w, words, true);
+      draw_meeting<double, C>(walk, walk.boundaries->words, true, w, words);
+      const BoundaryEnds<double> at = meet<AnyBoundaries, double, C>(walk, w, words, true);
       if (at.lost) return kLostRow;
       if (at.cut) return static_cast<int>(WalkEnd::unresolved);
       if (at.out) break;
       remaining = exponential_of(words[0]);
     } else {
       LaneDraws<double> draws;
-      draw<C>(setting.walk, set, w, draws);
-      now = scatter<C>(setting.walk, set, w, draws, true, NoScore{});
+      draw<C>(walk, set, w, draws);
+      now = scatter<C>(walk, set, w, draws, true, NoScore{});
       if (now.events) w.met = 0;
-      tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
+      tally.collisions += now.events && !now.reflections && w.order <= walk.max_order;
       if (now.gone) break;
       remaining = draws.remaining;
     }
     if (!set.fly(w.wi, remaining, true, w.layer, w.y)) break;
   }
-  const LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
+  const LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, walk.max_order);
   const bool deltas = of.order == 0 && (w.met & 1) == 0 && of.end < 2;
   return static_cast<int>(of.end) + (deltas ? kDeltaRow : 0);
 }
@@ -67,7 +67,7 @@ void replay_walk(const LaneSetting<double>& setting, const LatticeNumbers* latti
   const bool bounded = setting.walk.boundaries != nullptr;
   int row = 0;
   if (bounded) {
-    row = replay_bounded<C>(setting, w, now, tally);
+    row = replay_bounded<C>(walk, w, now, tally);
   } else {
     const AnyMedia<double> set(walk);
     LaneState<double, C>& state = w;
@@ -131,7 +131,7 @@ std::vector<BatchTally> replay_in_double(const Stack& stack, const Plan& plan, D
     BatchTally& tally = tallies[batch];
     tally.f.resize(static_cast<std::size_t>(plan.order_slots()) * plan.channels * cells.count());
     LatticeNumbers lattice{};
-    const bool has_lattice = plan.sampling == Sampling::rqmc && !plan.boundaries;
+    const bool has_lattice = plan.sampling == Sampling::rqmc;
     for (std::uint64_t j = 0; batch + j * batches < walks; ++j) {
       const std::uint32_t number = lattice_point(j);
       if (has_lattice && number == 0)

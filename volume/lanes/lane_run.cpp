@@ -37,7 +37,7 @@ struct ZeroTerm {
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches)
     : setting_(stack, plan, incident, seed),
-      sampling_(plan.boundaries ? Sampling::random : plan.sampling),
+      sampling_(plan.sampling),
       bounded_(plan.boundaries),
       thinning_(plan.thinning),
       incident_(incident),

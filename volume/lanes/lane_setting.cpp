@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "volume/lanes/lane_marginals.h"
+#include "volume/lanes/lane_normals.h"
 
 namespace lamella {
 namespace {
@@ -32,6 +32,9 @@ int words_of(LaneMediumKind kind) {
   return 0;
 }
 
+// A depth that light reaches where it meets nothing, see Vmf::sigma.
+constexpr double kForGood = 1e28;
+
 template <class Scalar>
 class LayerWriter {
  public:
@@ -40,6 +43,8 @@ class LayerWriter {
 
   /// sigma(w_i), or the majorant that flights are by.
   double area = 1;
+  /// Whether light of any direction meets something.
+  bool sees_both_sides = true;
 
   void set(int field, double value) {
     to_.layers.value[field][layer_] = static_cast<Scalar>(value);
@@ -87,27 +92,23 @@ class LayerWriter {
   }
   void vmf(LaneMediumKind kind, const Vmf& flakes) {
     set_kind(kind);
-    const Direction axis = flakes.axis();
-    set(kUp, axis.z > 0 ? 1 : -1);
-    const VisibleNormalMixture<double> mixture{flakes.sigma(axis), flakes.sigma(-axis),
-                                               flakes.sigma(frame_around(axis).s)};
-    set(kFront, mixture.front);
-    set(kBack, mixture.back);
-    set(kSide, mixture.side);
-    const double kappa = vmf_concentration(flakes.alpha()), u = dot(incident_, axis);
+    const Direction axis = flakes.axis(), across = frame_around(axis).s;
+    const double numbers[] = {axis.x, axis.y, axis.z, across.x, across.y, across.z};
+    for (int k = 0; k < 6; ++k) set(kAxis + k, numbers[k]);
+    const double kappa = vmf_concentration(flakes.alpha());
     set(kKappa, kappa);
     set(kDensityScale, vmf_density(kappa, 1) / 4);
-    // Six widths of the distribution: sigma(-u) is 1e-10 there.
-    const double reach = std::min(1.0, 6 / std::sqrt(std::max(kappa, 1e-300)));
     set(kMean, vmf_mean_cosine(kappa));
-    set(kReach, reach);
-    const std::size_t pieces = to_.tables.size() / 4;
-    set(kTable, static_cast<double>(pieces));
-    const std::vector<float> marginals = vmf_marginals(kappa);
-    to_.tables.insert(to_.tables.end(), marginals.begin(), marginals.end());
-    append_cubics(to_.tables,
-                  [&](double t) { return vmf_sigma(reach * (2 * t - 1), flakes.alpha()); });
-    area = mixture.majorant(u, std::sqrt(std::max(0.0, (1 - u) * (1 + u))));
+    const double width = 1 / std::sqrt(kappa + 1);
+    set(kWidth, width);
+    set(kReach, 1 / std::min(1.0, kLargestBehind * width));
+    auto& tables = to_.tables;
+    if (tables.empty()) tables = side_sheets();
+    set(kTable, static_cast<double>(tables.size()));
+    for (const auto& more : {back_sigma_pieces(kappa, flakes.alpha()), vmf_normal_sheets(kappa)})
+      tables.insert(tables.end(), more.begin(), more.end());
+    area = flakes.sigma(incident_);
+    sees_both_sides = false;
   }
 
   LaneSetting<Scalar>& to_;
@@ -214,6 +215,8 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
     }
     const Layer& layer = stack.layers[parts[k].layer];
     std::visit(writer, layer.medium);
+    // Light that no flake of a half space faces leaves it for good.
+    if (std::isinf(parts[k].depth) && !writer.sees_both_sides) writer.set(kDepth, kForGood);
     tau += parts[k].depth * writer.area / std::abs(incident.z);
     for (int c = 0; c < 3; ++c) {
       writer.set(kAlbedo + c, layer.albedo[c]);
@@ -223,7 +226,7 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
     walk.fresnel = walk.fresnel || fresnel;
     common_albedo = common_albedo && !fresnel && channels(layer.albedo) == albedo;
   }
-  layers.tables = tables.data();
+  if (!tables.empty()) layers.tables = tables.front().power[0];
   walk.upright = is_upright(layers, walk.layer_count);
   if (walk.substrate) {
     walk.kinds |= 1u << static_cast<int>(LaneMediumKind::substrate);

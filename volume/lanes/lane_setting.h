@@ -42,7 +42,7 @@ struct LaneSetting {
   BoundaryNumbers<Scalar> boundaries;  ///< of stacks with interfaces
   WalkSetting<Scalar> walk;
   std::vector<LanePart> parts;
-  std::vector<float> tables;
+  std::vector<NormalPatch> tables;
   /// Of every layer, or of the substrate alone, where all are the same: walks then carry no
   /// weights, the order tells them.
   bool common_albedo = false;

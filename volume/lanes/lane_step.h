@@ -83,10 +83,11 @@ struct LaneState {
   Real weight[C > 0 ? C : 1];
 };
 
-/// One layer of one medium, known at compile time.
-template <class Real, template <class> class M>
+/// One layer of one medium, known at compile time. kSteps: between interfaces, whose meetings are
+/// steps, too.
+template <class Real, template <class> class M, bool kSteps = false>
 struct OneMedium {
-  static constexpr bool kSingle = true, kNull = M<Real>::kNull, kBounded = false;
+  static constexpr bool kSingle = true, kCountsSteps = kSteps, kBounded = false;
   using Scalar = typename NumberTraits<Real>::Scalar;
   M<Real> medium;
   Real depth;
@@ -110,7 +111,7 @@ struct OneMedium {
 /// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
 template <class Real>
 struct AnyMedia {
-  static constexpr bool kSingle = false, kNull = true, kBounded = false;
+  static constexpr bool kSingle = false, kCountsSteps = false, kBounded = false;
   using Scalar = typename NumberTraits<Real>::Scalar;
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
@@ -160,7 +161,7 @@ struct AnyMedia {
       inverse = t.upright ? SggxOnLanes<Real, UprightSggxMatrix>(numbers).inverse_area(w)
                           : SggxOnLanes<Real, SggxMatrix>(numbers).inverse_area(w);
     if (!has_vmf) return inverse;
-    return select(numbers(kFront) > Real(0), VmfOnLanes<Real>(numbers).inverse_area(w), inverse);
+    return select(numbers(kWidth) > Real(0), VmfOnLanes<Real>(numbers).inverse_area(w), inverse);
   }
 
   /// A flight of some lanes, on its way.
@@ -281,11 +282,10 @@ template <class Real>
   return gone;
 }
 
-/// Steps that walks have taken before this one. kNull: some of their collisions may be null, and
-/// they count them.
-template <bool kNull, int C, class Real>
+/// Steps that walks have taken before this one: their events, unless others are among them.
+template <bool kCountsSteps, int C, class Real>
 [[nodiscard]] LAMELLA_INLINE WordsOf<Real> steps_taken(const LaneState<Real, C>& w) {
-  if constexpr (kNull)
+  if constexpr (kCountsSteps)
     return w.step;
   else
     return w.order;
@@ -304,7 +304,7 @@ LAMELLA_INLINE void draw(const WalkSetting<typename NumberTraits<Real>::Scalar>&
   for (int k = 0; k < set.words(); ++k) draws.words[k] = w.numbers.next();
   if constexpr (C > 0) draws.words[kRouletteWord] = w.numbers.next();
   if (t.lattice != nullptr) {
-    const Words step = steps_taken<Set::kNull>(w);
+    const Words step = steps_taken<Set::kCountsSteps>(w);
     const auto early = is_below(step, Words(kLatticeSteps));
     const auto replace = [&](int k) LAMELLA_INLINE_LAMBDA {
       draws.words[k] =
@@ -316,7 +316,7 @@ LAMELLA_INLINE void draw(const WalkSetting<typename NumberTraits<Real>::Scalar>&
   draws.remaining = exponential_of(draws.words[0]);
 }
 
-/// All active lanes are at a collision, or a null one: the event.
+/// All active lanes are at a collision: the event.
 /// score(every lane?, medium, event, walks, lanes) sees events before they count; those at
 /// max_order are one too many. kFull: all lanes are active, and of a single medium.
 template <int C, bool kFull = false, class Set, class Real, class Score>
@@ -326,7 +326,7 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
                                       const Score& score) {
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
-  constexpr bool kEvery = kFull && Set::kSingle && !Set::kNull;  // every lane meets an event
+  constexpr bool kEvery = kFull && Set::kSingle;  // every lane meets an event
   Mask events = active, reflections = without(active, active);
   if constexpr (!Set::kSingle) events = reflections;
   Vec3<Real> wi = w.wi;
@@ -338,7 +338,6 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
     const auto event = medium.collide(w.wi, draws.words);
     Mask scatters = active;
     if constexpr (!all) scatters = scatters & here;
-    if constexpr (M::kNull) scatters = kFull ? event.accepted : scatters & event.accepted;
     if constexpr (all)
       events = scatters;
     else
@@ -347,7 +346,7 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
       reflections = scatters & to_float_mask(is_below(w.order, Words(t.max_order)));
     score(all, medium, event, w, scatters);
     const auto scattered = medium.sample(event, draws.words);
-    if constexpr (all && !M::kNull)
+    if constexpr (all)
       wi = scattered.next;  // what is not active does not matter
     else
       wi = select(scatters, scattered.next, wi);
@@ -364,7 +363,8 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
       }
     }
   });
-  if constexpr (Set::kNull) w.step = w.step + Words(1u);
+  if constexpr (Set::kCountsSteps)
+    w.step = w.step + select(to_word_mask(active), Words(1u), Words(0u));
   w.order = w.order + (kEvery ? Words(1u) : select(to_word_mask(events), Words(1u), Words(0u)));
   w.wi = wi;
   Mask lives;

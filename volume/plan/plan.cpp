@@ -37,7 +37,7 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
   plan.order_one = limits.order_one;
   plan.thinning = limits.thinning.value_or(thinning_for(stack, plan.layers, plan.max_order));
   if (!limits.max_order && plan.thinning.is_on()) plan.max_order = kThinnedMaxOrder;
-  if (!plan.boundaries) plan.sampling = limits.sampling;
+  plan.sampling = limits.sampling;
   return plan;
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kOne = place(Order::one);
 constexpr double kLeastNoise = 1e-8;  // of the known accounts, as a share of the light
+// Walks that an account has met, below which their scatter does not tell its error.
+constexpr double kFewWalks = 10;
 
 // Order 1 of one side from its closed form: nothing where walks give it, or where there are no
 // cells, as in the depth of a half space.
@@ -76,6 +78,14 @@ class Books {
     excess_ = mean_ - known;
     for (std::size_t b = 0; b < batches_.size(); ++b) spread_ += deviation(b) * deviation(b);
     is_known_ = spread_ > kLeastNoise * kLeastNoise * walks_ * walks_;
+    for (const Layer& layer : simulation.stack().layers)
+      albedo_ = std::max(albedo_, layer.albedo[c]);
+    if (const auto& below = simulation.stack().substrate)
+      albedo_ = below->model.empty() ? std::max(albedo_, below->albedo[c]) : 1;
+    // Of a forced first collision: where higher orders are rare walks have one event each.
+    if (uncollided && simulation.collisions() > 0)
+      chance_ = std::clamp(
+          (1 - *uncollided) * walks_ / static_cast<double>(simulation.collisions()), 0.0, 1.0);
   }
   /// Whether the known accounts have their closed forms: not where the walks' own have no noise to
   /// speak of, which float's rounding would be taken for.
@@ -103,6 +113,16 @@ class Books {
     return corrected;
   }
 
+  /// The standard error that an account of light after `events` events or more has at least: where
+  /// few walks were met, or none, that of one walk more than were. Each weighs its albedos, and the
+  /// chance of a forced collision, at most. 0 where walks give order 1, whose light is most.
+  [[nodiscard]] double least_error(double value, int events) const {
+    const double weight = chance_ * std::pow(albedo_, events);
+    if (!is_known_ || !(weight > 0)) return 0;
+    const double met = std::max(value, 0.0) * walks_ / weight;
+    return met < kFewWalks ? weight * std::sqrt(met + 1) / walks_ : 0;
+  }
+
   [[nodiscard]] const KnownFirst* first(bool up) const {
     return !is_known_ || !sides_[up].cells ? nullptr : &sides_[up];
   }
@@ -123,6 +143,7 @@ class Books {
   std::vector<KnownFirst> sides_;  // below, above
   std::vector<double> counted_;
   double walks_ = 0, mean_ = 0, excess_ = 0, spread_ = 0, bound_ = 0;
+  double albedo_ = 0, chance_ = 1;  // the largest; the most that a walk stands for
   bool is_known_ = false;
 };
 
@@ -130,11 +151,18 @@ void reduce_energies(const Simulation& simulation, OrderOne order_one, bool up, 
   for (int c = 0; c < simulation.plan().channels; ++c) {
     const Books books(simulation, order_one, c);
     const KnownFirst* first = books.first(up);
+    // Of an account with orders from `events` on and a known one beside them.
+    const auto not_below = [&](Estimate e, int events, double known) {
+      if (first)
+        e.standard_error = std::max(e.standard_error, books.least_error(e.value - known, events));
+      return e;
+    };
     for (int o = 0; o < kTallyOrders; ++o)
-      side.orders[o][c] =
-          first && o == kOne
-              ? first->energy[c]
-              : books.estimate([&](const BatchTally& b) { return energies_of(b, up)[o][c]; });
+      side.orders[o][c] = first && o == kOne ? first->energy[c]
+                                             : not_below(books.estimate([&](const BatchTally& b) {
+                                                 return energies_of(b, up)[o][c];
+                                               }),
+                                                         std::min(o + 1, 3), 0);
     const auto beyond = [&](int order, bool with_zero, const Estimate& exact) {
       return books.estimate(
           [&, order, with_zero](const BatchTally& b) {
@@ -144,8 +172,10 @@ void reduce_energies(const Simulation& simulation, OrderOne order_one, bool up, 
           },
           exact);
     };
-    side.multiple[c] = beyond(place(Order::two), false, {});
-    side.total[c] = first ? beyond(kOne + 1, true, first->energy[c]) : beyond(kOne, true, {});
+    side.multiple[c] = not_below(beyond(place(Order::two), false, {}), 2, 0);
+    side.total[c] =
+        first ? not_below(beyond(kOne + 1, true, first->energy[c]), 2, first->energy[c].value)
+              : beyond(kOne, true, {});
     side.zero[c] = books.estimate([&](const BatchTally& b) { return zero_of(b, up, c); });
     side.specular[c] = books.estimate([&](const BatchTally& b) {
       return (up ? b.energy.specular_up : b.energy.specular_down)[c];

@@ -39,14 +39,20 @@ std::unique_ptr<Simulation> simulation_of(const Stack& stack, const Plan& plan, 
       CellGrid{4, 8, false}, seed);
 }
 
-// One medium without and with null collisions, weights, several layers; each also thinned.
+// One medium, weights, several layers, interfaces; each also thinned.
 std::vector<std::string> lattice_stacks() {
   return {layer("medium = 'lambert_sphere'\nalbedo = 0.9\nthickness = inf"),
           layer("medium = 'vmf_flake'\nroughness = 0.5\nalbedo = [0.9, 0.5, 0.2]\nthickness = 3"),
           layer("medium = 'sggx'\nroughness = 0.4\nf0 = 0.3\nalbedo = 0.95\nthickness = 2"),
           layer("medium = 'henyey_greenstein'\ng = 0.6\nalbedo = 0.9\nthickness = 1") +
               layer("medium = 'vmf_flake'\nroughness = 0.4\nalbedo = 0.8\nthickness = 1") +
-              "[substrate]\nalbedo = 0.5\n"};
+              "[substrate]\nalbedo = 0.5\n",
+          layer("interface = 'ggx'\nior = 1.5\nroughness = 0.3") +
+              layer("medium = 'lambert_sphere'\nalbedo = 0.9\nthickness = inf"),
+          layer("interface = 'smooth'\nior = 1.4") +
+              layer("medium = 'henyey_greenstein'\ng = 0.5\nalbedo = 0.9\nthickness = 1") +
+              "[substrate]\nalbedo = 0.6\n",
+          layer("interface = 'ggx'\nior = 1.5\nroughness = 0.2") + "[substrate]\nalbedo = 0.8\n"};
 }
 
 class LaneLattice : public ::testing::TestWithParam<Isa> {};

@@ -30,7 +30,9 @@ std::vector<std::string> replayed_stacks() {
         "medium = 'sggx'\nshape = 'fiber'\nroughness = 0.1\naxis = [1, 1, 1]",
         "medium = 'sggx'\nmatrix = [0.5, 0.3, 0.8, 0.1, -0.2, 0.15]\nf0 = 0.04",
         "medium = 'vmf_flake'\nroughness = 1", "medium = 'vmf_flake'\nalpha = 0.2",
-        "medium = 'vmf_flake'\nalpha = 0.01",
+        "medium = 'vmf_flake'\nalpha = 0.01", "medium = 'vmf_flake'\nalpha = 0.001",
+        "medium = 'vmf_flake'\nroughness = 0.5\naxis = [1, 0.3, 0.5]",
+        "medium = 'vmf_flake'\nalpha = 0.01\nflake = 'mirror'\naxis = [0.3, 0, 1]",
         "medium = 'vmf_flake'\nalpha = 0.03\nflake = 'mirror'",
         "medium = 'vmf_flake'\nroughness = 0.5\nflake = 'mirror'", "medium = 'lambert_sphere'",
         "medium = 'henyey_greenstein'\ng = 0.97", "medium = 'henyey_greenstein'\ng = -0.97"})

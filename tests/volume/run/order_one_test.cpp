@@ -101,6 +101,36 @@ TEST(ExactOrderOne, AddsNoNoiseToASumThatHasNone) {
   EXPECT_LT(run.reflected.total[0].standard_error, 1e-12);
 }
 
+// In thin layers few walks have a second event, or none.
+TEST(ExactOrderOne, HasErrorsThatCoverWhatFewWalksHaveNotSeen) {
+  const Stack stack = testing::stack_from(
+      testing::layer("medium = 'henyey_greenstein'\ng = 0\nalbedo = 0.9\nthickness = 0.002"));
+  for (const Isa isa : {Isa::scalar, supported_isas().back()}) {
+    Plan plan = make_plan(stack, {.order_one = OrderOne::exact});
+    plan.isa = isa;
+    const Direction wi = direction_from_degrees(30, 0);
+    const auto run_of = [&](std::uint64_t walks) {
+      Simulation simulation(stack, plan, wi, Estimator::analog, CellGrid{2, 4, false}, 5);
+      simulation.advance(walks);
+      return reduce(simulation);
+    };
+    const RunResult few = run_of(20000), many = run_of(4000000);
+    ASSERT_EQ(few.order_one, OrderOne::exact);
+    for (const bool up : {true, false}) {
+      const SideResult& of_many = up ? many.reflected : many.transmitted;
+      const SideResult& of_few = up ? few.reflected : few.transmitted;
+      const Estimate known = of_many.multiple[0], seen = of_few.multiple[0];
+      EXPECT_GT(known.value, 1e-7);
+      EXPECT_GT(seen.standard_error, 0);
+      EXPECT_LT(std::abs(testing::z_between(seen, known)), testing::allowed_z());
+      const Estimate all = of_few.total[0];
+      EXPECT_GE(all.standard_error, 0.99 * seen.standard_error);
+      // No more than the light of a walk or two.
+      EXPECT_LT(seen.standard_error, 2 * 0.81 / 20000 * std::sqrt(11));
+    }
+  }
+}
+
 TEST(ExactOrderOne, IsWalkedWhereItWouldTakeLongerThanTheWalks) {
   const Stack stack = load_stack("sggx_slab");
   const auto simulation = first_walked(stack, OrderOne::exact, Estimator::analog, 1, 1000);
