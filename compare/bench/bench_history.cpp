@@ -27,7 +27,9 @@ constexpr const char* kMeasured[] = {"seconds",
                                      "baseline_collisions_per_second",
                                      "ns_textbook",
                                      "rays_per_second",
-                                     "exponent"};
+                                     "exponent",
+                                     "processor_seconds",
+                                     "least_seconds"};
 
 std::optional<double> positive(const Json& row, const char* key) {
   const auto found = row.find(key);

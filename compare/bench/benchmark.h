@@ -16,7 +16,7 @@ namespace lamella {
 /// One measurement, beside its baseline from the same run. What does not apply is absent.
 struct BenchmarkRow {
   std::string what;
-  std::string kind;  ///< walk, deterministic, closed_form, grains
+  std::string kind;  ///< walk, deterministic, closed_form, grains, startup
   std::optional<double> seconds{};
   std::optional<double> collisions_per_second_per_core{};
   std::optional<double> ns_per_eval{};
@@ -140,6 +140,10 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// Nothing without Embree.
 void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report);
+
+/// What whole runs of this program take, from start to end: `seconds` is the median of the wall
+/// clock, processor_seconds that of the processor, both over 20 runs one after the other.
+void measure_startup(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// How far a closed form is from the truth of a stack: relative RMSE of the reflected lobe without
 /// the noise, and the ends of the interval that holds it.
