@@ -28,6 +28,9 @@ constexpr const char* kMeasured[] = {"seconds",
                                      "ns_textbook",
                                      "rays_per_second",
                                      "exponent",
+                                     "directions_per_second",
+                                     "closed_seconds",
+                                     "ratio_to_random",
                                      "processor_seconds",
                                      "least_seconds"};
 

@@ -111,8 +111,9 @@ void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,
 /// forms that apply; one thread.
 void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
-/// The solver: seconds and memory against digits reached, all cells of a grid, growth of the cost
-/// with nodes, modes and layers, one thread.
+/// The solver: seconds and memory against digits reached, all cells of a grid, f at very many pairs
+/// of directions, growth of the cost with nodes, modes and layers, one thread; and the cells by one
+/// thread and by all.
 void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report);
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ namespace {
 
 struct ProcessTime {
   double wall = 0, processor = 0;
+  std::int64_t peak_bytes = 0;
 };
 
 double seconds_from(const timeval& t) {
@@ -49,7 +51,8 @@ std::optional<ProcessTime> time_of_run(const std::vector<std::string>& arguments
   });
   posix_spawn_file_actions_destroy(&actions);
   if (!ended) return std::nullopt;
-  return ProcessTime{wall, seconds_from(used.ru_utime) + seconds_from(used.ru_stime)};
+  return ProcessTime{wall, seconds_from(used.ru_utime) + seconds_from(used.ru_stime),
+                     std::int64_t{1024} * used.ru_maxrss};
 }
 
 double median_of(std::vector<double> values) {
@@ -64,22 +67,27 @@ void measure_startup(const BenchmarkEffort& effort, std::uint64_t, const ReportR
       {"--version"},
       {"stacks"},
       {"simulate", "lambert_sphere_halfspace", "--wi", "60", "--walks", "1e5"},
-      {"simulate", "sggx_slab", "--wi", "60", "--walks", "1e5", "--estimator", "next-event"}};
+      {"simulate", "sggx_slab", "--wi", "60", "--walks", "1e5", "--estimator", "next-event"},
+      {"simulate", "lambert_sphere_halfspace", "--wi", "60", "--tolerance", "1e-8", "--grid",
+       "32x32"}};
   const int runs = effort.repetition_seconds < 0.05 ? 3 : 20;
   for (const std::vector<std::string>& command : commands) {
     std::string what = "startup/lamella";
     for (const std::string& word : command) what += " " + word;
     std::vector<double> wall, processor;
+    std::int64_t peak = 0;
     for (int k = 0; k < runs && !user_interrupt; ++k)
       if (const auto time = time_of_run(command)) {
         wall.push_back(time->wall);
         processor.push_back(time->processor);
+        peak = std::max(peak, time->peak_bytes);
       }
     if (wall.empty()) continue;
     BenchmarkRow row{.what = what, .kind = "startup"};
     row.seconds = median_of(wall);
     row.extra = {{"processor_seconds", median_of(processor)},
                  {"least_seconds", *std::min_element(wall.begin(), wall.end())},
+                 {"peak_bytes", peak},
                  {"runs", wall.size()}};
     report(std::move(row));
   }
