@@ -1,7 +1,8 @@
 """Writes the figures of speed into the texts: `speed_tables.py SOURCE [--check]`.
 
 SOURCE/compare/bench/release holds what `make speed` measured, a file of `lamella bench --json` per
-instruction set. In the Markdown files of the tree a block
+instruction set, and about.txt, which says what else the machine did. In the Markdown files of the
+tree a block
 
     <!-- speed: NAME -->
     ...
@@ -53,6 +54,7 @@ class Release:
 
     def __init__(self, folder):
         self.answers = {name: json.loads((folder / f"{name}.json").read_text()) for name in SETS}
+        self.about = (folder / "about.txt").read_text().strip()
         self.rows = {name: {row["what"]: row for row in answer["rows"]}
                      for name, answer in self.answers.items()}
 
@@ -113,7 +115,7 @@ def measured(release):
     a = release.answers["avx512"]
     rounds = "one round" if a["rounds"] == 1 else f"the medians of {a['rounds']} rounds"
     return paragraph(f"The figures are from `make speed` with lamella {a['version']} on a 2-core virtual machine, "
-                     f"{rounds}, seed {a['seed']}; `compare/bench/release` has all of them.")
+                     f"{rounds}, seed {a['seed']}, {release.about}; `compare/bench/release` has all of them.")
 
 
 def walks(release):
@@ -169,7 +171,7 @@ def engine(release):
     return "".join(map(item, [
         f"Walks that are kept one by one (`--only samples`, in memory, one thread, AVX-512) go at {between(kept)} of the "
         "speed of the same walks counted in cells. A row of the file has 33 bytes, which are written twice.",
-        f"Lanes are {100 * min(occupied):.0f} to {100 * max(occupied):.0f} % occupied (fewest where a run is short); "
+        f"Lanes are {between([100 * x for x in occupied], 3)} % occupied (fewest where a run is short); "
         f"{100 * nulls:.0f} % of the lanes on vMF flakes are at null collisions (refused normals).",
         "The plan leaves colour, layers and asymmetry out of the walks in `lambert_sphere_halfspace`: the same scalar "
         f"walks are {plan[0]:.2f} (analog) and {plan[1]:.2f} times (next-event) as fast as by the general plan.",
@@ -248,16 +250,17 @@ def digits_of_solver(release):
 
 def solver(release):
     cells = [release.row(f"lambert_sphere_halfspace/cells 32x32, 8 directions/{t}") for t in ("1e-06", "1e-08")]
-    pairs = release.row("lambert_sphere_halfspace/1e6 pairs/1e-06")
+    pairs = [release.row(f"lambert_sphere_halfspace/1e6 pairs/{t}") for t in ("1e-04", "1e-06")]
     threads = release.row("lambert_sphere_halfspace/cells, threads/1e-08")
     nodes = [release.row(f"growth/nodes {n}") for n in (16, 32, 64)]
     return "".join(map(item, [
         "All cells of a 32 x 32 grid for 8 directions of the Lambert-sphere half space take "
         f"{digits(cells[0]['seconds'])} s to {cells[0]['error']:.1e} and {digits(cells[1]['seconds'])} s to "
         f"{cells[1]['error']:.1e}, on one core.",
-        f"f at 1e6 scattered pairs of the same stack takes {digits(pairs['seconds'])} s on one core, the solution to 1e-6 "
-        f"and a table of {pairs['rows']} x {pairs['columns']} cosines with it, {digits(pairs['ratio_to_baseline'])} times "
-        "as fast as pair by pair.",
+        f"f at 1e6 scattered pairs of the same stack takes {digits(pairs[0]['seconds'])} s to 1e-4 and "
+        f"{digits(pairs[1]['seconds'])} s to 1e-6 on one core, with tables of {pairs[0]['rows']} and {pairs[1]['rows']} "
+        f"cosines, {digits(pairs[0]['ratio_to_baseline'])} and {digits(pairs[1]['ratio_to_baseline'])} times as fast as "
+        "pair by pair.",
         f"Two threads find the cells of such grids to 1e-8 {threads['ratio_to_baseline']:.2f} times as fast as one.",
         "Nodes: 16, 32, 64 nodes at 8 modes take " + ", ".join(digits(r["seconds"]) for r in nodes) + " s: exponents "
         f"{nodes[1]['exponent']:.1f} and {nodes[2]['exponent']:.1f} on the way to 3."]))
@@ -298,9 +301,10 @@ def models(release):
 
 def startup(release):
     rows = [r for r in release.answers["avx512"]["rows"] if r["kind"] == "startup"]
-    return table(["command", "milliseconds", "of the processor"],
+    return table(["command", "milliseconds, median", "fewest", "of the processor", "memory [MB]"],
                  [[f"`{r['what'].removeprefix('startup/')}`", digits(1e3 * r["seconds"]),
-                   digits(1e3 * r["processor_seconds"])] for r in rows])
+                   digits(1e3 * r["least_seconds"]), digits(1e3 * r["processor_seconds"]),
+                   digits(1e-6 * r["peak_bytes"])] for r in rows])
 
 
 BLOCKS = {f.__name__: f for f in (measured, walks, directions, coats, engine, absorption, accuracy, sampling, order_one,

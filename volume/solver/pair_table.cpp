@@ -293,7 +293,7 @@ std::optional<PairTable> PairTable::make(const DeterministicSolution& solution,
                                         field.scale(channel, i, o));
         }
     made.deviation_ = kSafety * worst;
-    if (made.deviation_ <= accuracy.error / 2) return made;
+    if (made.deviation_ <= accuracy.error) return made;
   }
   return std::nullopt;
 }

@@ -29,9 +29,9 @@ class PairTable {
   /// Cosines of each side at which a table is held against the field.
   static constexpr int kTests = 24;
 
-  /// The coarsest table whose deviation is within half of the solution's error. Nothing where
-  /// there is none, where so few pairs are cheaper one by one, and of steep media, whose
-  /// order 2 each pair may integrate for itself.
+  /// The coarsest table whose deviation is within the solution's error. Nothing where there is
+  /// none, where so few pairs are cheaper one by one, and of steep media, whose order 2 each pair
+  /// may integrate for itself.
   [[nodiscard]] static std::optional<PairTable> make(const DeterministicSolution& solution,
                                                      std::span<const CosinePair> pairs);
 

@@ -36,7 +36,7 @@ void expect_agreement(const std::string& layer, bool open_below) {
   const std::vector<CosinePair> pairs = scattered(20000, open_below);
   const auto table = PairTable::make(solution, pairs);
   ASSERT_TRUE(table) << layer;
-  EXPECT_LE(table->deviation(), solution.accuracy().error / 2);
+  EXPECT_LE(table->deviation(), solution.accuracy().error);
   int found = 0, asked = 0;
   for (std::size_t k = 0; k < pairs.size(); k += 500) {
     const double x = 0.1 * static_cast<double>(k % 31);
