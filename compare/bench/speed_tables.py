@@ -91,6 +91,10 @@ def between(values, count=2):
     return low if low == high else f"{low} to {high}"
 
 
+def error_text(x):
+    return f"{x:.1e}".replace("e-0", "e-")
+
+
 def table(head, rows):
     lines = [head, ["---"] * len(head), *rows]
     return "".join("| " + " | ".join(line) + " |\n" for line in lines).replace("|  |", "| |").replace("|  |", "| |")
@@ -175,7 +179,7 @@ def engine(release):
         f"{100 * nulls:.0f} % of the lanes on vMF flakes are at null collisions (refused normals).",
         "The plan leaves colour, layers and asymmetry out of the walks in `lambert_sphere_halfspace`: the same scalar "
         f"walks are {plan[0]:.2f} (analog) and {plan[1]:.2f} times (next-event) as fast as by the general plan.",
-        f"Two threads are {release.ratio('lambert_sphere_halfspace/threads'):.2f} times as fast as one.",
+        f"By the clock two threads are {release.ratio('lambert_sphere_halfspace/threads'):.2f} times as fast as one.",
         f"Stacks of two media walk at {between(mixed)} of the mean speed of stacks of each medium alone, stacks of four "
         f"at {digits(four)} (`--only mixed`).",
         "The cost of a walk grows (`--only growth`) with the number of layers to the power "
@@ -241,7 +245,7 @@ def digits_of_solver(release):
         line = [name]
         for tolerance in ("1e-06", "1e-08"):
             r = release.row(f"{stack}/solve/{tolerance}")
-            error = f"{r['error']:.1e}".replace("e-0", "e-")
+            error = error_text(r["error"])
             told = "" if r["reached"] else ", not reached"
             line.append(f"{error}: {r['nodes']}, {r['modes']}, {digits(r['seconds'])} s{told}")
         rows.append(line)
@@ -255,13 +259,14 @@ def solver(release):
     nodes = [release.row(f"growth/nodes {n}") for n in (16, 32, 64)]
     return "".join(map(item, [
         "All cells of a 32 x 32 grid for 8 directions of the Lambert-sphere half space take "
-        f"{digits(cells[0]['seconds'])} s to {cells[0]['error']:.1e} and {digits(cells[1]['seconds'])} s to "
-        f"{cells[1]['error']:.1e}, on one core.",
+        f"{digits(cells[0]['seconds'])} s to {error_text(cells[0]['error'])} and {digits(cells[1]['seconds'])} s to "
+        f"{error_text(cells[1]['error'])}, on one core.",
         f"f at 1e6 scattered pairs of the same stack takes {digits(pairs[0]['seconds'])} s to 1e-4 and "
         f"{digits(pairs[1]['seconds'])} s to 1e-6 on one core, with tables of {pairs[0]['rows']} and {pairs[1]['rows']} "
         f"cosines, {digits(pairs[0]['ratio_to_baseline'])} and {digits(pairs[1]['ratio_to_baseline'])} times as fast as "
         "pair by pair.",
-        f"Two threads find the cells of such grids to 1e-8 {threads['ratio_to_baseline']:.2f} times as fast as one.",
+        f"Two threads find the cells of such grids to 1e-8 {threads['ratio_to_baseline']:.2f} times as fast as one, by the "
+        "clock.",
         "Nodes: 16, 32, 64 nodes at 8 modes take " + ", ".join(digits(r["seconds"]) for r in nodes) + " s: exponents "
         f"{nodes[1]['exponent']:.1f} and {nodes[2]['exponent']:.1f} on the way to 3."]))
 
@@ -295,7 +300,7 @@ def models(release):
         rows.append([name, f"{single['ns_per_eval']:.1f}", f"{batch['ns_per_eval']:.1f}",
                      f"{textbook:.1f}" if textbook else "",
                      f"{textbook / batch['ns_per_eval']:.2f}" if textbook else "",
-                     f"{single['error']:.1e}".replace("e-0", "e-") if single.get("error") else ""])
+                     error_text(single["error"]) if single.get("error") else ""])
     return table(["model", "single", "batch", "textbook", "ratio", "error"], rows)
 
 
