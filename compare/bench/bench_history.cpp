@@ -63,7 +63,7 @@ double spread_of(const Json& row) {
 std::optional<RowSpeed> speed_of(const Json& row) {
   for (const char* key : {"ratio_to_baseline", "collisions_per_second_per_core"})
     if (const auto value = positive(row, key)) return RowSpeed{key, *value};
-  for (const char* key : {"ns_per_eval", "seconds"})
+  for (const char* key : {"ns_per_eval", "processor_seconds", "seconds"})
     if (const auto value = positive(row, key)) return RowSpeed{key, 1 / *value};
   return std::nullopt;
 }

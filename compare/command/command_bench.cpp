@@ -186,8 +186,10 @@ int bench_command(const Options& options) {
     }
   }
   Json rows = combined_rounds(measured_rows);
-  const std::vector<BenchChange> changes =
+  std::vector<BenchChange> changes =
       before ? changes_between(*before, rows) : std::vector<BenchChange>();
+  // Of what --only left out nothing is said.
+  if (!options.only.empty()) std::erase_if(changes, [](const BenchChange& c) { return !c.now; });
   const bool fell = before && print_changes(out, changes);
   Json answer = json_header("bench", options.seed, isa_of(options));
   answer["quick"] = options.quick;
