@@ -21,7 +21,7 @@ SANITIZED := StackFile|Random|HalfVector
 CCACHE :=
 LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH=OFF -DLAMELLA_UNITY=OFF)
 
-.PHONY: demo test bench account asan fuzz soak soak-collisions format tidy install-build-packages install-test-packages \
+.PHONY: demo test bench speed account asan fuzz soak soak-collisions format tidy install-build-packages install-test-packages \
   install-format-packages release clean
 
 demo: release
@@ -36,6 +36,21 @@ test: install-test-packages release
 
 bench: release
 	./build/release/lamella bench
+
+# The figures of speed in the texts: measures everything, keeps it in compare/bench/release, and
+# writes the marked blocks. For a machine that does nothing else, about an hour.
+SPEED_ROUNDS := 3
+SPEED_NOTE := on a machine that did nothing else
+SPEED_SOLVER_SECONDS := 60
+SPEED := ./build/release/lamella bench --rounds $(SPEED_ROUNDS) --quiet
+RELEASE := compare/bench/release
+speed: release
+	mkdir -p $(RELEASE)
+	$(SPEED) --isa scalar --only walks --json $(RELEASE)/scalar.json
+	$(SPEED) --isa avx2 --only walks --only models --json $(RELEASE)/avx2.json
+	$(SPEED) --isa avx512 --solver-seconds $(SPEED_SOLVER_SECONDS) --json $(RELEASE)/avx512.json
+	echo "$(SPEED_NOTE)" > $(RELEASE)/about.txt
+	python3 compare/bench/speed_tables.py .
 
 # Instructions of the compiled loops of walks.
 account: release

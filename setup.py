@@ -55,6 +55,8 @@ class BuildByCMake(build_ext):
         target = Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(built, target)
+        for module in (folder / "python/lamella").glob("lamella_*.so"):
+            shutil.copy2(module, target.parent)
         shutil.copy2(ROOT / "analytic/catalogue/lamella_model.h", target.parent)
 
 

@@ -27,7 +27,12 @@ constexpr const char* kMeasured[] = {"seconds",
                                      "baseline_collisions_per_second",
                                      "ns_textbook",
                                      "rays_per_second",
-                                     "exponent"};
+                                     "exponent",
+                                     "directions_per_second",
+                                     "closed_seconds",
+                                     "ratio_to_random",
+                                     "processor_seconds",
+                                     "least_seconds"};
 
 std::optional<double> positive(const Json& row, const char* key) {
   const auto found = row.find(key);
@@ -58,7 +63,7 @@ double spread_of(const Json& row) {
 std::optional<RowSpeed> speed_of(const Json& row) {
   for (const char* key : {"ratio_to_baseline", "collisions_per_second_per_core"})
     if (const auto value = positive(row, key)) return RowSpeed{key, *value};
-  for (const char* key : {"ns_per_eval", "seconds"})
+  for (const char* key : {"ns_per_eval", "processor_seconds", "seconds"})
     if (const auto value = positive(row, key)) return RowSpeed{key, 1 / *value};
   return std::nullopt;
 }

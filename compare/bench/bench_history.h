@@ -15,8 +15,8 @@ namespace lamella {
     const std::vector<nlohmann::ordered_json>& rounds);
 
 /// The number that tells how fast a row is, larger is faster: its ratio to its baseline, which was
-/// measured in the same run, else evaluations or collisions a second, else 1 / seconds. Nothing
-/// where the row has none of them.
+/// measured in the same run, else evaluations or collisions a second, else 1 / seconds, of the
+/// processor where it has those. Nothing where the row has none of them.
 struct RowSpeed {
   std::string measure;  ///< the key of the row that it comes from
   double value;

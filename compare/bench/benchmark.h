@@ -16,7 +16,7 @@ namespace lamella {
 /// One measurement, beside its baseline from the same run. What does not apply is absent.
 struct BenchmarkRow {
   std::string what;
-  std::string kind;  ///< walk, deterministic, closed_form, grains
+  std::string kind;  ///< walk, deterministic, closed_form, grains, startup
   std::optional<double> seconds{};
   std::optional<double> collisions_per_second_per_core{};
   std::optional<double> ns_per_eval{};
@@ -111,8 +111,9 @@ void measure_combination(const BenchmarkEffort& effort, std::uint64_t seed,
 /// forms that apply; one thread.
 void measure_tradeoff(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
-/// The solver: seconds and memory against digits reached, all cells of a grid, growth of the cost
-/// with nodes, modes and layers, one thread.
+/// The solver: seconds and memory against digits reached, all cells of a grid, f at very many pairs
+/// of directions, growth of the cost with nodes, modes and layers, one thread; and the cells by one
+/// thread and by all.
 void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report);
 
@@ -140,6 +141,10 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// Nothing without Embree.
 void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report);
+
+/// What whole runs of this program take, from start to end: `seconds` is the median of the wall
+/// clock, processor_seconds that of the processor, both over 20 runs one after the other.
+void measure_startup(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// How far a closed form is from the truth of a stack: relative RMSE of the reflected lobe without
 /// the noise, and the ends of the interval that holds it.

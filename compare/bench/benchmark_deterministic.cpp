@@ -2,14 +2,18 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <optional>
 
 #include "compare/bench/benchmark.h"
 #include "compare/request/stopwatch.h"
+#include "compare/truth/point_truth.h"
+#include "phase/random/random.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/harmonics/harmonic_run.h"
 #include "volume/plan/plan.h"
 #include "volume/solver/deterministic_run.h"
+#include "volume/solver/pair_table.h"
 
 namespace lamella {
 namespace {
@@ -103,28 +107,31 @@ void measure_harmonics(bool quick, double seconds_allowed, Isa isa, const Report
     }
 }
 
-// All cells of a 32 x 32 grid for eight incident directions to 1e-6, beside the time that walks
-// would need for the same error, from their time x variance.
-void measure_cells(bool quick, std::uint64_t seed, Isa isa, const ReportRow& report) {
-  constexpr double kTolerance = 1e-6;
-  const Stack stack = stack_of(solved_stacks().front());
-  const Plan plan = make_plan(stack);
-  const CellGrid grid{32, 32, true};
+// The cells of the rows below, of a 32 x 32 grid for eight incident directions.
+std::vector<RunResult> all_cells(const Stack& stack, const Plan& plan, double tolerance, Isa isa) {
   std::vector<Direction> incident;
   for (int k = 0; k < 8; ++k) incident.push_back(direction_from_degrees(10.0 * k, 0));
+  return deterministic_runs(solve_deterministic(stack, {.tolerance = tolerance / 2, .isa = isa}),
+                            plan, incident, CellGrid{32, 32, true}, tolerance);
+}
+
+// Their time, beside that which walks would need for the same error, from their time x variance.
+void measure_cells(bool quick, double tolerance, std::uint64_t seed, Isa isa,
+                   const ReportRow& report) {
+  const Stack stack = stack_of(solved_stacks().front());
+  const Plan plan = make_plan(stack);
   std::vector<RunResult> runs;
-  const double seconds = seconds_of([&] {
-    runs = deterministic_runs(solve_deterministic(stack, {.tolerance = kTolerance / 2, .isa = isa}),
-                              plan, incident, grid, kTolerance);
-  });
+  const double seconds = seconds_of([&] { runs = all_cells(stack, plan, tolerance, isa); });
   double worst = 0;
   for (const RunResult& run : runs) worst = std::max(worst, run.accuracy->error);
   DeterministicAccuracy accuracy = *runs.front().accuracy;
   accuracy.error = worst;
-  accuracy.reached = worst <= kTolerance;
+  accuracy.reached = worst <= tolerance;
   BenchmarkRow row =
-      row_of("lambert_sphere_halfspace/cells 32x32, 8 directions/1e-06", seconds, accuracy);
-  Simulation walks(stack, plan, benchmark_incident(), Estimator::analog, grid, seed);
+      row_of(fmt::format("lambert_sphere_halfspace/cells 32x32, 8 directions/{:.0e}", tolerance),
+             seconds, accuracy);
+  Simulation walks(stack, plan, benchmark_incident(), Estimator::analog, CellGrid{32, 32, true},
+                   seed);
   const double walk_seconds = seconds_of([&] { walks.advance(quick ? 1 << 12 : 1 << 17); });
   const RunResult walked = reduce(walks);
   const LobeEstimate& all = walked.reflected.lobes[Order::all];
@@ -136,6 +143,58 @@ void measure_cells(bool quick, std::uint64_t seed, Isa isa, const ReportRow& rep
   row.baseline = "analog walks to the same error";
   row.ratio_to_baseline = 8 * walk_seconds * noise / signal / (worst * worst) / seconds;
   row.extra["extrapolated"] = true;
+  report(std::move(row));
+}
+
+// f at scattered pairs of directions, the solution with them, against finding it pair by pair.
+void measure_pairs(bool quick, double tolerance, std::uint64_t seed, Isa isa,
+                   const ReportRow& report) {
+  const std::size_t count = quick ? 10000 : 1000000, few = quick ? 8 : 256;
+  const Stack stack = stack_of(solved_stacks().front());
+  RandomStream random(seed, 0, StreamPurpose::walk);
+  std::vector<DirectionPair> pairs;
+  std::vector<CosinePair> cosines;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double mu_i = random.uniform(), mu_o = random.uniform();
+    pairs.push_back(
+        {direction_from_mu_phi(mu_i, 0), direction_from_mu_phi(mu_o, 2 * kPi * random.uniform())});
+    cosines.push_back({mu_i, mu_o});
+  }
+  std::optional<DeterministicSolution> solution;
+  const double seconds = seconds_of([&] {
+    solution = solve_deterministic(stack, {.tolerance = tolerance / 2, .isa = isa});
+    (void)truth_at(*solution, pairs);
+  });
+  pairs.resize(few);
+  const double each =
+      seconds_of([&] { (void)truth_at(*solution, pairs); }) / static_cast<double>(few);
+  BenchmarkRow row = row_of(fmt::format("lambert_sphere_halfspace/1e6 pairs/{:.0e}", tolerance),
+                            seconds, solution->accuracy());
+  row.baseline = fmt::format("pair by pair, from {} of them", few);
+  row.ratio_to_baseline = each * static_cast<double>(count) / seconds;
+  if (const auto table = PairTable::make(*solution, cosines)) {
+    row.extra["rows"] = table->outgoing();
+    row.extra["columns"] = table->incident();
+  }
+  report(std::move(row));
+}
+
+// The cells above to 1e-8 by one thread and by all, by the clock.
+void measure_solver_threads(const BenchmarkEffort& effort, const ReportRow& report) {
+  constexpr double kTolerance = 1e-8;
+  const Stack stack = stack_of(solved_stacks().front());
+  const Plan plan = make_plan(stack);
+  std::vector<RunResult> runs;
+  const auto solve = [&] { runs = all_cells(stack, plan, kTolerance, effort.isa); };
+  tbb::task_arena one(1), all;
+  const InterleavedTimes times = interleave(
+      effort.repetitions, [&] { all.execute(solve); }, [&] { one.execute(solve); },
+      wall_seconds_of);
+  BenchmarkRow row = row_of("lambert_sphere_halfspace/cells, threads/1e-08",
+                            times.total_first() / effort.repetitions, *runs.front().accuracy);
+  row.baseline = "one thread";
+  row.ratio_to_baseline = times.median_ratio();
+  row.extra["threads"] = all.max_concurrency();
   report(std::move(row));
 }
 
@@ -190,9 +249,13 @@ void measure_deterministic(const BenchmarkEffort& effort, std::uint64_t seed,
   one.execute([&] {
     measure_digits(quick, effort.solver_seconds, effort.isa, report);
     measure_harmonics(quick, effort.solver_seconds, effort.isa, report);
-    measure_cells(quick, seed, effort.isa, report);
+    for (const double tolerance : {1e-6, 1e-8})
+      measure_cells(quick, tolerance, seed, effort.isa, report);
+    for (const double tolerance : {1e-4, 1e-6})
+      measure_pairs(quick, tolerance, seed, effort.isa, report);
     measure_growth(quick, effort.isa, report);
   });
+  measure_solver_threads(effort, report);
 }
 
 }  // namespace lamella

@@ -178,9 +178,9 @@ void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uin
   };
 
   // Time x variance of the marcher against other cuts of space, and against fixed steps.
-  for (const auto& [plan, name] :
-       {std::pair{&global, "one majorant for the whole grid"},
-        std::pair{&blocks, "a majorant per block of 8^3 voxels, none merged"}})
+  for (const auto& [plan, name, suffix] :
+       {std::tuple{&global, "one majorant for the whole grid", ""},
+        std::tuple{&blocks, "a majorant per block of 8^3 voxels, none merged", ", per block"}})
     for (const bool next_event : {false, true}) {
       const std::vector<Direction> points =
           next_event ? benchmark_points(1) : std::vector<Direction>();
@@ -196,8 +196,8 @@ void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uin
       const double variance_ratio =
           next_event ? variance_per_walk(other, theirs.walks()) / variance_per_walk(e, ours.walks())
                      : 1;
-      BenchmarkRow row =
-          row_of(ours, next_event ? "nee1" : "walk", times, ours.collisions() - before, e);
+      BenchmarkRow row = row_of(ours, std::string(next_event ? "nee1" : "walk") + suffix, times,
+                                ours.collisions() - before, e);
       row.baseline = name;
       row.ratio_to_baseline = times.median_ratio() * variance_ratio;
       row.extra["variance_ratio"] = variance_ratio;
@@ -210,7 +210,7 @@ void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uin
   const InterleavedTimes times = interleave(
       effort.repetitions, [&] { on(ours, walks); }, [&] { steps.advance(walks); });
   const Estimate e = reflected(ours), other = steps.reflected();
-  BenchmarkRow row = row_of(ours, "walk", times, ours.collisions() - before, e);
+  BenchmarkRow row = row_of(ours, "fixed steps", times, ours.collisions() - before, e);
   const double bias = other.value / e.value - 1;
   row.baseline =
       "fixed steps of half a voxel, whose reflected energy is off by " +

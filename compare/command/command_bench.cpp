@@ -65,6 +65,11 @@ void print_row(std::FILE* out, const BenchmarkRow& row) {
   if (row.extra.contains("reached") && !row.extra["reached"].get<bool>()) note += ", not reached";
   if (row.extra.contains("extrapolated") && row.extra["extrapolated"].get<bool>())
     note += note.empty() ? "extrapolated" : ", extrapolated";
+  if (row.extra.contains("processor_seconds"))
+    note =
+        fmt::format("{:.1f} ms of the processor, at least {:.1f} ms on the clock, {} runs",
+                    1e3 * row.extra["processor_seconds"].get<double>(),
+                    1e3 * row.extra["least_seconds"].get<double>(), row.extra["runs"].get<int>());
   if (row.extra.contains("rays_per_second"))
     note = fmt::format("{:.3g} rays/s among {} spheres; {}",
                        row.extra["rays_per_second"].get<double>(),
@@ -132,7 +137,7 @@ const std::vector<BenchPart>& parts() {
       {"combined", measure_combination},  {"growth", measure_growth_of_walks},
       {"solver", measure_deterministic},  {"grids", measure_grids},
       {"models", measure_models},         {"tradeoff", measure_tradeoff},
-      {"grains", measure_grain_tracing}};
+      {"grains", measure_grain_tracing},  {"startup", measure_startup}};
   return list;
 }
 
@@ -181,8 +186,10 @@ int bench_command(const Options& options) {
     }
   }
   Json rows = combined_rounds(measured_rows);
-  const std::vector<BenchChange> changes =
+  std::vector<BenchChange> changes =
       before ? changes_between(*before, rows) : std::vector<BenchChange>();
+  // Of what --only left out nothing is said.
+  if (!options.only.empty()) std::erase_if(changes, [](const BenchChange& c) { return !c.now; });
   const bool fell = before && print_changes(out, changes);
   Json answer = json_header("bench", options.seed, isa_of(options));
   answer["quick"] = options.quick;

@@ -1,10 +1,13 @@
 #include "compare/truth/point_truth.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <tuple>
@@ -13,6 +16,7 @@
 #include "volume/result/number_bytes.h"
 #include "volume/solver/closed_first.h"
 #include "volume/solver/closed_orders.h"
+#include "volume/solver/pair_table.h"
 
 namespace lamella {
 namespace {
@@ -69,6 +73,35 @@ double relative_azimuth(Direction wi, Direction wo) {
 void refuse_double_grazing(const DirectionPair& pair) {
   if (std::abs(pair.wi.z) < kGrazingLimit && std::abs(pair.wo.z) < kGrazingLimit)
     throw std::invalid_argument("both cosines are 0; allowed: at most one");
+}
+
+// Where a table of the solution pays: the pairs of `order` that it has, into `values`. Returns the
+// others.
+std::vector<std::size_t> without_tabulated(
+    const DeterministicSolution& solution, const std::vector<DirectionPair>& pairs,
+    const std::function<Rgb(const DirectionPair&)>& closed_part, std::vector<std::size_t> order,
+    std::vector<TruthValue>& values) {
+  std::vector<CosinePair> cosines;
+  cosines.reserve(order.size());
+  for (const std::size_t k : order)
+    cosines.push_back({with_grazing_limit(pairs[k].wi).z, with_grazing_limit(pairs[k].wo).z});
+  const std::optional<PairTable> table = PairTable::make(solution, cosines);
+  if (!table) return order;
+  std::vector<char> found(order.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), 1024), [&](const auto& range) {
+    for (std::size_t j = range.begin(); j < range.end(); ++j) {
+      const DirectionPair& pair = pairs[order[j]];
+      const auto value = table->at(cosines[j], kPi - relative_azimuth(with_grazing_limit(pair.wi),
+                                                                      with_grazing_limit(pair.wo)));
+      if (!value) continue;
+      values[order[j]] = {value->order[Order::all] + closed_part(pair), value->error};
+      found[j] = 1;
+    }
+  });
+  std::vector<std::size_t> left;
+  for (std::size_t j = 0; j < order.size(); ++j)
+    if (!found[j]) left.push_back(order[j]);
+  return left;
 }
 
 }  // namespace
@@ -177,6 +210,10 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
   const auto cosines = [&](std::size_t k) {
     return std::pair(with_grazing_limit(pairs[k].wi).z, with_grazing_limit(pairs[k].wo).z);
   };
+  const auto closed_part = [&](const DirectionPair& pair) {
+    return closed_orders(stack, with_grazing_limit(pair.wi), with_grazing_limit(pair.wo)).all();
+  };
+  order = without_tabulated(solution, pairs, closed_part, std::move(order), values);
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return cosines(a) < cosines(b); });
   const auto tell = [&](std::size_t done) {
@@ -210,7 +247,7 @@ std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
       const Direction wo = with_grazing_limit(pairs[order[from]].wo);
       const DeterministicValue multiple =
           field.multiple_refined(in.at(wi.z), out.at(wo.z), kPi - relative_azimuth(wi, wo));
-      values[order[from]] = {multiple.order[Order::all] + closed_orders(stack, wi, wo).all(),
+      values[order[from]] = {multiple.order[Order::all] + closed_part(pairs[order[from]]),
                              multiple.error};
     }
   }

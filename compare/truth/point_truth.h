@@ -43,8 +43,9 @@ void check_pair(const Stack& stack, const DirectionPair& pair);
                                                std::optional<double> seconds = {});
 
 /// The truth at each pair from a solved stack: order 1 in closed form, the others from its modes at
-/// each pair's own cosines. standard_error is each pair's error bound. `report`, where there is
-/// one, is told after each pair.
+/// each pair's own cosines; of thousands of pairs from a table of those where there is one
+/// (volume/solver/pair_table.h). standard_error is each pair's error bound. `report`, where there
+/// is one, is told after each pair.
 [[nodiscard]] std::vector<TruthValue> truth_at(const DeterministicSolution& solution,
                                                const std::vector<DirectionPair>& pairs,
                                                const SolverReport& report = {});

@@ -119,6 +119,20 @@ class EvalAnswersInCsv(ProgramTest):
         for value, error in rows:
             self.assertLess(error, 2e-6 * value)
 
+    def test_truth_at_thousands_of_pairs_is_that_at_each_of_them(self):
+        pairs = [f"{0.05 + 0.9 * (k * 0.618034 % 1):.6f},0,{0.05 + 0.9 * (k * 0.754878 % 1):.6f},{k % 360}"
+                 for k in range(5000)]
+
+        def values(rows):
+            self.write("many.csv", "\n".join(["mu_i,phi_i,mu_o,phi_o", *rows, ""]))
+            out = self.lamella("eval", "truth", "stack=lambert_sphere_halfspace", "estimator=deterministic",
+                               "--pairs", "many.csv").out
+            return [list(map(float, line.split(",")[4:])) for line in out.splitlines()[1:]]
+
+        for (many, bound), (alone, own) in zip(values(pairs), values(pairs[:40])):
+            self.assertLessEqual(abs(many - alone), bound + own)
+            self.assertLess(bound, 1e-4 * many)
+
     def test_truth_takes_walks_and_seed_as_keys_or_options(self):
         def values(*words):
             return self.eval("truth", "stack=sggx_slab", *words)[1]

@@ -149,6 +149,13 @@ class EveryAnswerMatchesItsSchema(ProgramTest):
             with self.assertRaises(jsonschema.ValidationError):
                 check_schema("bench", {**answer, "rows": [less]})
 
+    def test_the_releases_measurements_are_results_of_bench(self):
+        for isa in ("scalar", "avx2", "avx512"):
+            with self.subTest(isa):
+                answer = json.loads((SCHEMAS.parent / f"bench/release/{isa}.json").read_text())
+                check_schema("bench", answer)
+                self.assertEqual((answer["isa"], answer["quick"], answer["interrupted"]), (isa, False, False))
+
     def test_bench_gives_the_solver_the_seconds_that_are_asked_for(self):
         def nodes(*arguments):
             answer = self.json_of("bench", "--quick", "--quiet", "--only", "solver", *arguments)

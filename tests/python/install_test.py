@@ -29,8 +29,14 @@ def test_the_package_installs_from_the_build(tmp_path):
         cwd=tmp_path, env={**environment, "PYTHONPATH": str(place)}, capture_output=True, text=True,
         check=True).stdout.split()
     assert Path(told[0]).is_relative_to(place)
-    assert {"_core.pyi", "py.typed"} <= {p.name for p in (place / "lamella").iterdir()}
+    assert {"_core.pyi", "py.typed"} <= imported(place, tmp_path)
     assert f"VERSION {told[1]} " in (SOURCE / "CMakeLists.txt").read_text()
+
+
+GRID_FILE = """
+import lamella as lm
+print(lm.simulate(lm.Stack.read("cloth.toml"), wi=[30], walks=1000).estimator)
+"""
 
 
 def imported(place, folder):
@@ -41,7 +47,28 @@ def imported(place, folder):
         cwd=folder, env={**environment, "PYTHONPATH": str(place)}, capture_output=True, text=True,
         check=True).stdout.split()
     assert Path(told[0]).is_relative_to(place) and int(told[1]) > 15
-    return {p.name for p in (place / "lamella").iterdir()}
+    names = {p.name for p in (place / "lamella").iterdir()}
+    if (BUILD / "modules/lamella_openvdb.so").exists():
+        assert "lamella_openvdb.so" in names
+        reads_a_grid_file(place, folder, environment)
+    return names
+
+
+def reads_a_grid_file(place, folder, environment):
+    """The package has its module of OpenVDB, and says so in one line where it has lost it."""
+    made = subprocess.run([os.environ["LAMELLA"], "grid", "weave", "voxels=16", "-o", "cloth.vdb"],
+                          cwd=folder, capture_output=True, text=True, check=True).stdout
+    (folder / "cloth.toml").write_text(made)
+    read = [sys.executable, "-c", GRID_FILE]
+    environment = {**environment, "PYTHONPATH": str(place)}
+    told = subprocess.run(read, cwd=folder, env=environment, capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    module = place / "lamella/lamella_openvdb.so"
+    module.rename(module.with_suffix(".away"))
+    told = subprocess.run(read, cwd=folder, env=environment, capture_output=True, text=True)
+    module.with_suffix(".away").rename(module)
+    assert told.returncode == 1
+    assert "the module for .vdb files cannot be loaded" in told.stderr.splitlines()[-1]
 
 
 def test_cmake_installs_the_package(tmp_path):
@@ -50,9 +77,9 @@ def test_cmake_installs_the_package(tmp_path):
     subprocess.run(["cmake", "--install", str(BUILD), "--prefix", str(tmp_path), "--component",
                     "python"], check=True, capture_output=True)
     [place] = tmp_path.glob("lib/python3*/dist-packages")
-    assert {"_core.pyi", "py.typed"} <= imported(place, tmp_path)
     # Nothing else belongs to it.
     assert [p.name for p in tmp_path.iterdir()] == ["lib"]
+    assert {"_core.pyi", "py.typed"} <= imported(place, tmp_path)
 
 
 @pytest.mark.skipif("LAMELLA_SOAK" not in os.environ, reason="compresses for half a minute: in the soak")

@@ -1,131 +1,67 @@
-// .vdb files out, and level sets. The files vdb_*.cpp are all that includes OpenVDB; vdb_read.cpp
-// and what it calls read. Written against what its versions 10 to 12 share: the grid containers,
-// io::File, io::Archive with GridDescriptor, and ParticlesToLevelSet; should a version differ,
-// these files are the place.
+// The module of OpenVDB from outside: it is loaded at the first call that needs it.
 #include "volume/voxels/vdb_file.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/ParticlesToLevelSet.h>
-
-#include <cmath>
 
 #include "phase/parameters/one_line.h"
-#include "volume/voxels/vdb_archive.h"
-#include "volume/voxels/vdb_identity.h"
-#include "volume/voxels/vdb_tile.h"
+#include "volume/voxels/vdb_module.h"
+#include "volume/voxels/vdb_read.h"
 
 namespace lamella {
 namespace {
 
-template <class Grid, int N>
-typename Grid::Ptr to_grid(const VoxelField<N>& field, const std::string& name,
-                           typename VoxelField<N>::Value background, Vec3<double> voxel_size) {
-  typename Grid::ValueType value{};
-  const auto set_value = [&](const typename VoxelField<N>::Value& v) {
-    if constexpr (N == 1)
-      value = v[0];
-    else
-      value = typename Grid::ValueType(v[0], v[1], v[2]);
-  };
-  set_value(background);
-  auto grid = Grid::create(value);
-  grid->setName(name);
-  if (name == "density") grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  openvdb::math::Mat4d scale = openvdb::math::Mat4d::identity();
-  scale.preScale(openvdb::Vec3d(voxel_size.x, voxel_size.y, voxel_size.z));
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(scale));
-  auto accessor = grid->getAccessor();
-  for_each_voxel(field.extent(), [&](VoxelIndex i) {
-    const auto& v = field.at(i);
-    if (v == background) return;
-    set_value(v);
-    accessor.setValue({i[0], i[1], i[2]}, value);
-  });
-  const VoxelIndex n = field.extent().voxels;
-  grid->insertMeta(kExtentKey, openvdb::Vec3IMetadata(openvdb::Vec3i(n[0], n[1], n[2])));
-  grid->pruneGrid();
-  return grid;
+// The module, or why there is none. Found by name through the run path of the program, package or
+// library that this file is linked into.
+std::variant<const VdbModule*, VdbRefusal> load_module() {
+  void* object = dlopen(kVdbModuleFile, RTLD_LAZY | RTLD_LOCAL);
+  const auto* module =
+      object ? static_cast<const VdbModule*>(dlsym(object, kVdbModuleSymbol)) : nullptr;
+  if (!module) {
+    const char* const error = dlerror();
+    return VdbRefusal{
+        fmt::format("the module for .vdb files cannot be loaded ({}); allowed: {} beside the "
+                    "program or where Lamella installs it, with OpenVDB's library",
+                    one_line(error ? error : "no reason given", 400), kVdbModuleFile)};
+  }
+  if (std::string_view(module->lamella_version) != LAMELLA_VERSION)
+    return VdbRefusal{fmt::format("{}: found the module of Lamella {}; allowed: that of {}",
+                                  kVdbModuleFile, one_line(module->lamella_version),
+                                  LAMELLA_VERSION)};
+  module->initialize();
+  return module;
 }
 
-// What ParticlesToLevelSet asks of a list of particles.
-class Spheres {
- public:
-  using PosType = openvdb::Vec3R;
-  Spheres(std::span<const Vec3<double>> centres, double shift) : centres_(centres), shift_(shift) {}
-  [[nodiscard]] std::size_t size() const { return centres_.size(); }
-  void getPos(std::size_t n, openvdb::Vec3R& position) const {
-    const Vec3<double>& c = centres_[n];
-    position = openvdb::Vec3R(c.x + shift_, c.y + shift_, c.z + shift_);
-  }
-
- private:
-  std::span<const Vec3<double>> centres_;
-  double shift_;
-};
+// Throws GridFileError, `what` named: the file, or what is asked for.
+const VdbModule& loaded(const std::string& what) {
+  static const auto module = load_module();
+  if (const auto* refusal = std::get_if<VdbRefusal>(&module))
+    throw GridFileError(fmt::format("{}: {}", what, refusal->why));
+  return *std::get<const VdbModule*>(module);
+}
 
 }  // namespace
 
 bool has_openvdb() { return true; }
 
-std::string openvdb_version() { return OPENVDB_LIBRARY_VERSION_STRING; }
+std::string openvdb_version() { return loaded("OpenVDB's version").openvdb_version; }
+
+VdbGrids read_vdb(const std::string& path, const VdbRequest& request) {
+  const std::uint64_t size = size_of_vdb_file(path);
+  return read_in_child(loaded(path), path, size, request);
+}
 
 void write_vdb(const std::string& path, const Voxels& voxels, Vec3<double> voxel_size) {
-  initialize_openvdb();
-  openvdb::GridCPtrVec grids;
-  grids.push_back(to_grid<openvdb::FloatGrid>(voxels.density, "density", {0}, voxel_size));
-  if (voxels.orientation)
-    grids.push_back(
-        to_grid<openvdb::Vec3SGrid>(*voxels.orientation, "orientation", {0, 0, 0}, voxel_size));
-  if (voxels.roughness)
-    grids.push_back(to_grid<openvdb::FloatGrid>(*voxels.roughness, "roughness", {0}, voxel_size));
-  if (voxels.albedo)
-    grids.push_back(to_grid<openvdb::Vec3SGrid>(*voxels.albedo, "albedo", {1, 1, 1}, voxel_size));
-  try {
-    openvdb::io::File file(path);
-    file.write(grids);
-    file.close();
-    set_identity_by_content(path);
-  } catch (const std::exception& failure) {
-    throw GridFileError(fmt::format("{}: cannot be written ({})", path, one_line(failure.what())));
-  }
+  const auto answer = loaded(path).write(path, voxels, voxel_size);
+  if (const auto* refusal = std::get_if<VdbRefusal>(&answer)) throw GridFileError(refusal->why);
 }
 
 LevelSetMeasure measure_level_set(std::span<const Vec3<double>> centres, double radius,
                                   double voxel, Vec3<double> size) {
-  initialize_openvdb();
-  const auto grid = openvdb::createLevelSet<openvdb::FloatGrid>(voxel, 3.0);
-  openvdb::tools::ParticlesToLevelSet<openvdb::FloatGrid> raster(*grid);
-  raster.setRmax(1e9);
-  // Index i stands for the middle of voxel i.
-  raster.rasterizeSpheres(Spheres(centres, -0.5 * voxel), radius);
-  raster.finalize();
-  if (raster.ignoredParticles())
-    throw GridFileError(
-        fmt::format("found a radius of {} voxels; allowed: 1.5 or more", radius / voxel));
-  const int n[3] = {static_cast<int>(std::lround(size.x / voxel)),
-                    static_cast<int>(std::lround(size.y / voxel)),
-                    static_cast<int>(std::lround(size.z / voxel))};
-  const auto accessor = grid->getConstAccessor();
-  // Both kernels are symmetric in the distance, so that what a curved surface gains on one side of
-  // it, it loses on the other.
-  const double width = 1.5 * voxel;
-  double inside = 0, area = 0;
-  openvdb::Coord i;
-  for (i[2] = 0; i[2] < n[2]; ++i[2])
-    for (i[1] = 0; i[1] < n[1]; ++i[1])
-      for (i[0] = 0; i[0] < n[0]; ++i[0]) {
-        const double t = accessor.getValue(i) / width;
-        constexpr double pi = 3.14159265358979323846;
-        if (t <= -1) {
-          inside += 1;
-        } else if (t < 1) {
-          inside += 0.5 * (1 - t - std::sin(pi * t) / pi);
-          area += 0.5 * (1 + std::cos(pi * t)) / width;
-        }
-      }
-  const double count = static_cast<double>(n[0]) * n[1] * n[2];
-  return {inside / count, area / count};
+  const auto answer =
+      loaded("the level set of spheres").measure_level_set(centres, radius, voxel, size);
+  if (const auto* refusal = std::get_if<VdbRefusal>(&answer)) throw GridFileError(refusal->why);
+  return std::get<LevelSetMeasure>(answer);
 }
 
 }  // namespace lamella

@@ -9,9 +9,14 @@
 
 namespace lamella {
 
+// All of OpenVDB lies in a module, a shared object that the first call below loads (vdb_module.h):
+// a program that reads no .vdb file does not pay for it. Where it cannot be loaded GridFileError
+// says so.
+
 /// Whether this build reads and writes .vdb files (CMake option LAMELLA_OPENVDB).
 [[nodiscard]] bool has_openvdb();
-/// Version of OpenVDB that the program was built with; empty without it.
+/// Version of OpenVDB that the module was built with; empty in a build without it. Throws
+/// GridFileError.
 [[nodiscard]] std::string openvdb_version();
 
 /// Reads a .vdb file, as volume/README.md says under "Grid files": the density (float, >= 0) and,
@@ -25,12 +30,6 @@ namespace lamella {
 /// Writes the voxels, edges of `voxel_size` [mm], as a .vdb file that read_vdb reads back the same.
 /// Throws GridFileError.
 void write_vdb(const std::string& path, const Voxels& voxels, Vec3<double> voxel_size);
-
-/// Measures of a bed of overlapping equal spheres as a level set.
-struct LevelSetMeasure {
-  double volume_fraction = 0;  ///< of the box that is inside a sphere
-  double area_density = 0;     ///< surface of the union per volume of the box [1/mm]
-};
 
 /// Rasterises spheres of one radius [mm] with OpenVDB's ParticlesToLevelSet on cubic voxels of edge
 /// `voxel` [mm] and measures them in the box [0, size): volume by the share of each voxel that the

@@ -1,4 +1,5 @@
-// read_vdb: OpenVDB in a child process.
+#include "volume/voxels/vdb_read.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -9,29 +10,10 @@
 
 #include "phase/parameters/one_line.h"
 #include "volume/voxels/bounded_child.h"
-#include "volume/voxels/vdb_archive.h"
-#include "volume/voxels/vdb_fields.h"
-#include "volume/voxels/vdb_file.h"
 #include "volume/voxels/voxel_message.h"
 
 namespace lamella {
 namespace {
-
-// Bytes of the file. What is no file at all (a pipe, a device) may have no end.
-std::uint64_t size_of_file(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0)
-    throw GridFileError(fmt::format("{}: {}; allowed: a .vdb file", path, std::strerror(errno)));
-  if (S_ISDIR(status.st_mode))
-    throw GridFileError(fmt::format("{}: is a directory; allowed: a .vdb file", path));
-  if (!S_ISREG(status.st_mode))
-    throw GridFileError(fmt::format("{}: is no regular file; allowed: a .vdb file", path));
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    throw GridFileError(fmt::format("{}: {}; allowed: a .vdb file", path, std::strerror(errno)));
-  ::close(file);
-  return static_cast<std::uint64_t>(status.st_size);
-}
 
 // What OpenVDB may take for a file. A leaf without active voxels is 129 bytes there and 6144 in
 // memory where its values are vectors, an internal node of 16^3 or 32^3 empty tiles as much less:
@@ -47,14 +29,28 @@ ChildLimits limits_for(std::uint64_t bytes) {
 
 }  // namespace
 
-VdbGrids read_vdb(const std::string& path, const VdbRequest& request) {
-  const std::uint64_t size = size_of_file(path);
-  initialize_openvdb();
+std::uint64_t size_of_vdb_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0)
+    throw GridFileError(fmt::format("{}: {}; allowed: a .vdb file", path, std::strerror(errno)));
+  if (S_ISDIR(status.st_mode))
+    throw GridFileError(fmt::format("{}: is a directory; allowed: a .vdb file", path));
+  if (!S_ISREG(status.st_mode))
+    throw GridFileError(fmt::format("{}: is no regular file; allowed: a .vdb file", path));
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0)
+    throw GridFileError(fmt::format("{}: {}; allowed: a .vdb file", path, std::strerror(errno)));
+  ::close(file);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+VdbGrids read_in_child(const VdbModule& module, const std::string& path, std::uint64_t size,
+                       const VdbRequest& request) {
   try {
     const std::string message = run_in_child(limits_for(size), [&](ChildAnswer& answer) {
-      // Never destroyed, as little as its grids.
-      auto& archive = *new VdbArchive(path);
-      write_message(read_fields(archive, request),
+      const auto grids = module.read(path, request);
+      if (const auto* refusal = std::get_if<VdbRefusal>(&grids)) throw GridFileError(refusal->why);
+      write_message(std::get<VdbGrids>(grids),
                     [&](const void* data, std::size_t count) { answer.write(data, count); });
     });
     VdbGrids grids = read_message(message);

@@ -37,4 +37,10 @@ struct VdbGrids {
   std::vector<std::string> warnings{};  ///< one line each, file named
 };
 
+/// Measures of a bed of overlapping equal spheres as a level set.
+struct LevelSetMeasure {
+  double volume_fraction = 0;  ///< of the box that is inside a sphere
+  double area_density = 0;     ///< surface of the union per volume of the box [1/mm]
+};
+
 }  // namespace lamella

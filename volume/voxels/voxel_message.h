@@ -3,7 +3,7 @@
 #include <functional>
 #include <string_view>
 
-#include "volume/voxels/vdb_file.h"
+#include "volume/voxels/vdb_request.h"
 
 namespace lamella {
 
