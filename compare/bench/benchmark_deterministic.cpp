@@ -88,7 +88,16 @@ void measure_harmonics(bool quick, double seconds_allowed, Isa isa, const Report
        "medium = \"vmf_flake\"\naxis = [1, 0, 1]\nroughness = 0.5\nalbedo = 0.9\nthickness = 1\n"},
       {"leaning_sggx_0.5_halfspace",
        "medium = \"sggx\"\naxis = [1, 0, 1]\nflake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\n"
-       "thickness = inf\n"}};
+       "thickness = inf\n"},
+      {"fibers_0.1_slab",
+       "medium = \"sggx\"\nshape = \"fiber\"\nroughness = 0.1\nalbedo = 0.9\nthickness = 1\n"},
+      // Below a smooth and a rough coat.
+      {"fibers_lambert_0.5_slab/smooth_coat",
+       "interface = \"smooth\"\nior = 1.5\n[[layer]]\nmedium = \"sggx\"\nshape = \"fiber\"\n"
+       "flake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 1\n"},
+      {"fibers_lambert_0.5_slab/rough_coat",
+       "interface = \"ggx\"\nior = 1.5\nroughness = 0.3\n[[layer]]\nmedium = \"sggx\"\n"
+       "shape = \"fiber\"\nflake = \"lambert\"\nroughness = 0.5\nalbedo = 0.9\nthickness = 1\n"}};
   const Direction incident[] = {direction_from_degrees(45, 0)};
   for (const SolvedStack& solved : list)
     for (const double tolerance : {1e-2, 1e-4, 1e-6}) {

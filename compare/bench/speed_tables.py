@@ -175,8 +175,9 @@ def engine(release):
     return "".join(map(item, [
         f"Walks that are kept one by one (`--only samples`, in memory, one thread, AVX-512) go at {between(kept)} of the "
         "speed of the same walks counted in cells. A row of the file has 33 bytes, which are written twice.",
-        f"Lanes are {between([100 * x for x in occupied], 3)} % occupied (fewest where a run is short); "
-        f"{100 * nulls:.0f} % of the lanes on vMF flakes are at null collisions (refused normals).",
+        f"Lanes are {between([100 * x for x in occupied], 3)} % occupied (fewest where a run is short)" + (
+            f"; {100 * nulls:.0f} % of the lanes on vMF flakes are at null collisions (refused normals)." if nulls
+            else "."),
         "The plan leaves colour, layers and asymmetry out of the walks in `lambert_sphere_halfspace`: the same scalar "
         f"walks are {plan[0]:.2f} (analog) and {plan[1]:.2f} times (next-event) as fast as by the general plan.",
         f"By the clock two threads are {release.ratio('lambert_sphere_halfspace/threads'):.2f} times as fast as one.",

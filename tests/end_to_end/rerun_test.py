@@ -56,6 +56,17 @@ class ARunIsRepeatedBitByBit(ProgramTest):
                          "deterministic", "--grid", "4x8", *options, "--quiet", "-o", file)
             self.repeated(file, "--threads", "3")
 
+    def test_of_cells_whose_second_order_is_integrated(self):
+        self.write("fibers.toml", '[[layer]]\nmedium = "sggx"\nshape = "fiber"\nroughness = 0.3\naxis = [1, 0, 0]\n'
+                   "albedo = 0.9\nthickness = 1\n")
+        answer = self.json_of("simulate", "fibers.toml", "--wi", "45", "--estimator", "deterministic", "--tolerance",
+                              "1e-5", "--grid", "4x8", "--quiet", "-o", "a.exr")
+        accuracy = answer["runs"][0]["accuracy"]
+        self.assertTrue(accuracy["reached"])
+        # Values and bounds depend on the degree from which on they were.
+        self.assertEqual(accuracy["integrated_from"], accuracy["harmonics"])
+        self.repeated("a.exr", "--threads", "3")
+
     def test_of_compare_the_truth_and_each_model(self):
         self.write("mine.toml", '[[layer]]\nmedium = "lambert_sphere"\nalbedo = [0.9, 0.5, 0.1]\n'
                                 "thickness = inf\n")
