@@ -133,7 +133,8 @@ class APreviewShowsStackAndModelsUnderLight(ProgramTest):
         self.write("rough.toml", ROUGH + LAMBERT)
         model = ["--model", "coated,roughness=0.3,layering=saunderson,base=lambert,base.albedo=0.8"]
         solved = self.views("./rough.toml", *model)
-        walked = self.views("./rough.toml", *model, "--walks", "1000")
+        # Tables of 1000 walks a direction scatter by 3 %.
+        walked = self.views("./rough.toml", *model, "--walks", "16000")
         for view, means in solved.items():
             with self.subTest(view):
                 self.assertAlmostEqual(means["coated"] / means["truth"], 1, delta=5e-3)

@@ -194,10 +194,10 @@ INSTANTIATE_TEST_SUITE_P(EveryIsa, LaneLattice, ::testing::ValuesIn(lane_isas())
                          [](const auto& isa) { return to_text(isa.param); });
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LaneLattice);
 
-TEST(Sampling, IsRandomWhereLanesHaveNoLattice) {
+TEST(Sampling, IsByLatticesOnLanesAlone) {
   const Stack coated = load_stack("coated_lambert_sphere");
   const Plan plan = make_plan(coated, {.sampling = Sampling::rqmc});
-  EXPECT_EQ(plan.sampling, Sampling::random);
+  EXPECT_EQ(plan.sampling, Sampling::rqmc);
   const Stack spheres = load_stack("lambert_sphere_halfspace");
   const Simulation scalar(spheres, sampled_plan(spheres, Isa::scalar, Sampling::rqmc),
                           direction_from_degrees(60, 0), Estimator::analog, CellGrid{}, 1);
