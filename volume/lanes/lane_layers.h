@@ -26,6 +26,9 @@ enum LayerField {
   kG,            ///< henyey_greenstein
   kA,            ///< SGGX: A of S = A A^T: a00 a10 a11 a20 a21 a22; particles: the unit matrix
   kInverse = 9,  ///< SGGX: A^-1 in the same order
+  kFront = 9,    ///< vMF by null collisions: sigma(1), sigma(-1), sigma(0), in SGGX's rows
+  kBack,
+  kSide,
   kDensityScale = 15,    ///< SGGX mirrors: 1 / (4 pi det A); vMF mirrors: D(axis) / 4
   kAxis,                 ///< vMF: the mean normal
   kAcross = kAxis + 3,   ///< vMF: a direction perpendicular to it
@@ -33,7 +36,7 @@ enum LayerField {
   kWidth,                ///< vMF: 1 / sqrt(kappa + 1); 0 for other media
   kReach,                ///< vMF: 1 / min(1, kLargestBehind width)
   kMean,                 ///< vMF: cosine of the mean normal with the axis
-  kTable,                ///< vMF: where its tables begin, in patches
+  kTable,                ///< vMF: where its tables begin, in patches, or in marginals' pieces
   kAlbedo,               ///< three channels
   kF0 = kAlbedo + 3,     ///< three channels; 1 where there is no Fresnel factor
   kLayerFields = kF0 + 3
@@ -47,6 +50,8 @@ struct LayerNumbers {
   const float* tables = nullptr;
 };
 
+/// Cubics of each of the tables of volume/lanes/lane_marginals.h.
+inline constexpr int kMarginalPieces = 256;
 /// What an exponential number on lanes is at most.
 inline constexpr double kLargestExponential = 22.2;
 

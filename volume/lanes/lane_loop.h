@@ -67,7 +67,7 @@ template <int C, class State>
 struct LoopTotals {
   std::uint64_t steps = 0;        ///< of sets
   std::uint64_t carried = 0;      ///< lanes that had a walk at a step
-  std::uint64_t events = 0;       ///< where meetings with interfaces are steps, too
+  std::uint64_t events = 0;       ///< where steps are others, too: null or with interfaces
   std::uint64_t reflections = 0;  ///< at the substrate
   // 0, or not a number from the first such direction on: what is wrong with x or y is at the next
   // event wrong with z, and at the last one count_all sees it, unless the walk was absorbed by it
@@ -196,6 +196,7 @@ LAMELLA_INLINE void count_ends(const LoopSetting<C, Set, Score>& s, LaneWalks<C>
     walks.free_count += fallen;
   }
   totals.carried += static_cast<std::uint64_t>(kFull ? kLanes : count(active));
+  if constexpr (kRefuses<Set>) totals.events += static_cast<std::uint64_t>(count(now.events));
   if constexpr (!Set::kSingle)
     totals.reflections += static_cast<std::uint64_t>(count(now.reflections));
 }
@@ -337,7 +338,7 @@ template <int C, class Set, class Score>
   LaneSums& sums = close(s, ended, totals);
   if (absorbs)
     sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
-  sums.events += totals.carried;
+  sums.events += kRefuses<Set> ? totals.events : totals.carried;
 }
 
 }  // namespace lamella::LAMELLA_ISA

@@ -6,7 +6,8 @@
 //   kMirror: whether Schlick's factor may apply to it;
 //   kWords: words that an event takes, the free flight's first one among them;
 //   inverse_area(w): 1 / sigma(w);
-//   collide(wi, words): the event;
+//   collide(wi, words): the event; media of null collisions (lane_null_flakes.h) have kNull, and
+//     their events `accepted`;
 //   sample(event, words): the next w_i, which is -w_o, and the cosine with the mirror's normal;
 //   density(event, w_o): p, or its estimate given the event.
 
@@ -38,6 +39,13 @@ struct LaneScatter {
   Real cosine;      ///< of w_o with the normal of a mirror
 };
 
+/// Whether a medium may refuse to collide: flight is by a majorant of sigma, and a lane that is
+/// refused only takes the next step.
+template <class M>
+inline constexpr bool kRefuses = requires {
+  requires M::kNull;
+};
+
 /// Words that an event of any medium takes, and the place of the roulette's behind them.
 inline constexpr int kMediumWords = 7, kRouletteWord = kMediumWords, kEventWords = 8;
 
@@ -52,6 +60,13 @@ template <class Real>
 [[nodiscard]] LAMELLA_INLINE Vec3<Real> next_by_lambert(Vec3<Real> n, const WordsOf<Real>* words) {
   const Vec3<Real> v = n + sphere_point_of<Real>(words);
   return -reciprocal_sqrt(max(dot(v, v), Real(1e-30))) * v;
+}
+
+/// The mirror of an event about its normal.
+template <class Real>
+[[nodiscard]] LAMELLA_INLINE LaneScatter<Real> mirrored(const LaneEvent<Real>& e) {
+  const Real along = dot(e.wi, e.normal);
+  return {renormalized(e.wi - (Real(2) * along) * e.normal), along};
 }
 
 /// The cosine of two directions with the normal that mirrors one into the other.
@@ -394,8 +409,7 @@ struct VmfMirrorOnLanes : VmfOnLanes<Real> {
             reciprocal(max(this->sigma_of(u, row), Real(1e-6)))};
   }
   LAMELLA_INLINE LaneScatter<Real> sample(const LaneEvent<Real>& e, const WordsOf<Real>*) const {
-    const Real along = dot(e.wi, e.normal);
-    return {renormalized(e.wi - (Real(2) * along) * e.normal), along};
+    return mirrored(e);
   }
   /// D(h) / (4 sigma(w_i))
   LAMELLA_INLINE Real density(const LaneEvent<Real>& e, Vec3<Real> wo) const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "phase/random/random.h"
+#include "volume/lanes/lane_null_flakes.h"
 #include "volume/lanes/lane_setting.h"
 
 namespace lamella {
@@ -69,13 +70,20 @@ void replay_walk(const LaneSetting<double>& setting, const LatticeNumbers* latti
   if (bounded) {
     row = replay_bounded<C>(walk, w, now, tally);
   } else {
-    const AnyMedia<double> set(walk);
     LaneState<double, C>& state = w;
-    const bool collides = begin<C>(walk, set, state, true);
-    while (collides && !now.ends) {
-      now = step(walk, set, state, true, NoScore{});
-      tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
-    }
+    const auto walk_through = [&](const auto& set) {
+      const bool collides = begin<C>(walk, set, state, true);
+      while (collides && !now.ends) {
+        now = step(walk, set, state, true, NoScore{});
+        tally.collisions += now.events && !now.reflections && w.order <= setting.walk.max_order;
+      }
+    };
+    if (!walk.null_collisions)
+      walk_through(AnyMedia<double>(walk));
+    else if (walk.kinds == 1u << static_cast<int>(LaneMediumKind::vmf_mirror))
+      walk_through(OneMedium<double, NullVmfMirrorOnLanes>(walk));
+    else
+      walk_through(OneMedium<double, NullVmfLambertOnLanes>(walk));
   }
   ++tally.walks;
   LaneEnd<std::uint32_t> of(w.order, now.gone, w.wi.z > 0, setting.walk.max_order);
@@ -125,7 +133,7 @@ void replay_walk(const LaneSetting<double>& setting, const LatticeNumbers* latti
 std::vector<BatchTally> replay_in_double(const Stack& stack, const Plan& plan, Direction incident,
                                          std::uint64_t seed, int batches, std::uint64_t walks,
                                          const CellTargets& cells) {
-  const LaneSetting<double> setting(stack, plan, incident, seed);
+  const LaneSetting<double> setting(stack, plan, incident, seed, true);
   std::vector<BatchTally> tallies(batches);
   tbb::parallel_for(0, batches, [&](int batch) {
     BatchTally& tally = tallies[batch];

@@ -34,9 +34,9 @@ struct ZeroTerm {
 
 }  // namespace
 
-LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
-                 int batches)
-    : setting_(stack, plan, incident, seed),
+LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction incident,
+                 std::uint64_t seed, int batches)
+    : setting_(stack, plan, incident, seed, counted),
       sampling_(plan.sampling),
       bounded_(plan.boundaries),
       thinning_(plan.thinning),
@@ -80,7 +80,7 @@ void LaneRun::tabulate_weights(int channel) {
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches, const CellTargets& cells, Estimator estimator)
-    : LaneRun(stack, plan, incident, seed, batches) {
+    : LaneRun(estimator == Estimator::analog, stack, plan, incident, seed, batches) {
   cells_ = cells;
   const CellGrid& grid = cells.grid;
   LaneCells& to = task_.cells;
@@ -127,7 +127,7 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches, const std::vector<Direction>& points)
-    : LaneRun(stack, plan, incident, seed, batches) {
+    : LaneRun(points.empty(), stack, plan, incident, seed, batches) {
   if (points.empty()) return;
   task_.estimate = LaneEstimate::points;
   if (bounded_) {

@@ -85,8 +85,8 @@ class LaneRun {
   /// The index of the first walk of a batch with a number that is not finite, if there is one.
   [[nodiscard]] std::optional<std::uint64_t> first_not_finite(LaneWalkTask task,
                                                               LaneBatch batch) const;
-  LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
-          int batches);
+  LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction incident,
+          std::uint64_t seed, int batches);
   void trace(const Stack& stack, const std::vector<Direction>& points);
   /// Next-event estimation through interfaces, by `ways_`.
   void aim_along_ways(Isa isa);

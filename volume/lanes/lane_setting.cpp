@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 
+#include "volume/lanes/lane_marginals.h"
 #include "volume/lanes/lane_normals.h"
+#include "volume/lanes/lane_null_flakes.h"
 
 namespace lamella {
 namespace {
@@ -30,6 +33,16 @@ int words_of(LaneMediumKind kind) {
       return SubstrateOnLanes<double>::kWords;
   }
   return 0;
+}
+
+// Of flakes whose normals are taken by null collisions: alpha, |z| of the mean normal, and the
+// depth where it points down, as light that sees backs only is refused in proportion to its path.
+constexpr double kNarrowest = 0.01, kVertical = 1 - 1e-9, kDeepestFromBehind = 100;
+
+bool are_upright(const Vmf& flakes, double depth) {
+  const double up = flakes.axis().z;
+  return flakes.alpha() >= kNarrowest &&
+         (up > kVertical || (up < -kVertical && depth <= kDeepestFromBehind));
 }
 
 // A depth that light reaches where it meets nothing, see Vmf::sigma.
@@ -90,8 +103,25 @@ class LayerWriter {
     set(kDensityScale, 1 / (4 * kPi * a.determinant()));
     area = flakes.sigma(incident_);
   }
+  void null_vmf(const Vmf& flakes) {
+    const Direction axis = flakes.axis();
+    set(kAxis + 2, axis.z > 0 ? 1 : -1);
+    const VisibleNormalMixture<double> mixture{flakes.sigma(axis), flakes.sigma(-axis),
+                                               flakes.sigma(frame_around(axis).s)};
+    set(kFront, mixture.front);
+    set(kBack, mixture.back);
+    set(kSide, mixture.side);
+    const std::vector<float> marginals = vmf_marginals(vmf_concentration(flakes.alpha()));
+    set(kTable, 0);
+    to_.tables.resize(marginals.size() * sizeof(float) / sizeof(NormalPatch));
+    std::memcpy(to_.tables.front().power, marginals.data(),
+                to_.tables.size() * sizeof(NormalPatch));
+    const double u = dot(incident_, axis);
+    area = mixture.majorant(u, std::sqrt(std::max(0.0, (1 - u) * (1 + u))));
+  }
   void vmf(LaneMediumKind kind, const Vmf& flakes) {
     set_kind(kind);
+    if (to_.walk.null_collisions) return null_vmf(flakes);
     const Direction axis = flakes.axis(), across = frame_around(axis).s;
     const double numbers[] = {axis.x, axis.y, axis.z, across.x, across.y, across.z};
     for (int k = 0; k < 6; ++k) set(kAxis + k, numbers[k]);
@@ -184,13 +214,24 @@ std::optional<Dielectric> lane_bottom(const Stack& stack, const Plan& plan) {
   return bounded.count() > 0 ? bounded.boundaries.back() : std::nullopt;
 }
 
+bool takes_null_collisions(const Stack& stack, const Plan& plan) {
+  if (plan.boundaries || stack.substrate || lane_parts(stack, plan).size() != 1) return false;
+  const Layer& layer = stack.layers[plan.layers[0]];
+  if (layer.f0 != Rgb(1)) return false;  // walks carry weights
+  if (const auto* mirrors = std::get_if<MirrorFlakes<Vmf>>(&layer.medium))
+    return are_upright(mirrors->ndf, layer.depth());
+  const auto* lambertians = std::get_if<LambertFlakes<Vmf>>(&layer.medium);
+  return lambertians != nullptr && are_upright(lambertians->ndf, layer.depth());
+}
+
 template <class Scalar>
 LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction incident,
-                                 std::uint64_t seed)
+                                 std::uint64_t seed, bool counted)
     : parts(lane_parts(stack, plan)) {
   const auto channels = [](Rgb c) { return std::array<double, 3>{c.r, c.g, c.b}; };
   walk.layers = &layers;
   walk.layer_count = static_cast<int>(parts.size());
+  walk.null_collisions = counted && takes_null_collisions(stack, plan);
   walk.grey = plan.channels == 1;
   walk.substrate = stack.substrate.has_value();
   walk.from_above = incident.z > 0;

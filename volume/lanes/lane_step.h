@@ -58,6 +58,7 @@ struct WalkSetting {
   bool black = false;  ///< the first event ends a walk
   /// Walks without weights: what an event ends is absorbed, at the fourth event or later.
   bool ends_absorb = false;
+  bool null_collisions = false;  ///< the medium is one of volume/lanes/lane_null_flakes.h
   Scalar substrate_albedo[3] = {};
   std::uint32_t max_order = 0;
   std::uint32_t thinned_from = 0;  ///< Thinning::first
@@ -84,10 +85,11 @@ struct LaneState {
 };
 
 /// One layer of one medium, known at compile time. kSteps: between interfaces, whose meetings are
-/// steps, too.
+/// steps, too, as null collisions are.
 template <class Real, template <class> class M, bool kSteps = false>
 struct OneMedium {
-  static constexpr bool kSingle = true, kCountsSteps = kSteps, kBounded = false;
+  static constexpr bool kSingle = true, kBounded = false;
+  static constexpr bool kNull = kRefuses<M<Real>>, kCountsSteps = kSteps || kNull;
   using Scalar = typename NumberTraits<Real>::Scalar;
   M<Real> medium;
   Real depth;
@@ -316,7 +318,7 @@ LAMELLA_INLINE void draw(const WalkSetting<typename NumberTraits<Real>::Scalar>&
   draws.remaining = exponential_of(draws.words[0]);
 }
 
-/// All active lanes are at a collision: the event.
+/// All active lanes are at a collision, or a null one: the event.
 /// score(every lane?, medium, event, walks, lanes) sees events before they count; those at
 /// max_order are one too many. kFull: all lanes are active, and of a single medium.
 template <int C, bool kFull = false, class Set, class Real, class Score>
@@ -326,7 +328,8 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
                                       const Score& score) {
   using Mask = MaskOf<Real>;
   using Words = WordsOf<Real>;
-  constexpr bool kEvery = kFull && Set::kSingle;  // every lane meets an event
+  // Every lane meets an event.
+  constexpr bool kEvery = kFull && Set::kSingle && !kRefuses<Set>;
   Mask events = active, reflections = without(active, active);
   if constexpr (!Set::kSingle) events = reflections;
   Vec3<Real> wi = w.wi;
@@ -338,6 +341,7 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
     const auto event = medium.collide(w.wi, draws.words);
     Mask scatters = active;
     if constexpr (!all) scatters = scatters & here;
+    if constexpr (kRefuses<M>) scatters = kFull ? event.accepted : scatters & event.accepted;
     if constexpr (all)
       events = scatters;
     else
@@ -346,7 +350,7 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
       reflections = scatters & to_float_mask(is_below(w.order, Words(t.max_order)));
     score(all, medium, event, w, scatters);
     const auto scattered = medium.sample(event, draws.words);
-    if constexpr (all)
+    if constexpr (all && !kRefuses<M>)
       wi = scattered.next;  // what is not active does not matter
     else
       wi = select(scatters, scattered.next, wi);

@@ -97,7 +97,8 @@ struct LaneBatch {
 /// the next fill the other lanes.
 struct LaneWalkTask {
   WalkSetting<float> walk;
-  /// One layer of one medium without weights: volume/lanes/lane_one_medium.cpp. Else
+  /// One layer of one medium without weights: volume/lanes/lane_one_medium.cpp, or by null
+  /// collisions volume/lanes/lane_counted_flakes.cpp. Else
   /// volume/lanes/lane_any_stack.cpp.
   bool one_medium = false;
   bool weights = false;  ///< walks carry weights, one per channel; else the order alone tells them
@@ -136,6 +137,7 @@ struct LaneWalkTask {
 };
 
 LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, count_flake_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_bounded_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, aim_bounded_lanes, (const LaneWalkTask& task))
