@@ -40,7 +40,9 @@ struct LaneSamples::Rows {
 
 LaneSamples::LaneSamples(const Stack& stack, const Plan& plan, Direction incident, IncidentLaw law,
                          std::uint64_t seed)
-    : setting_(stack, plan, incident, seed), thinning_(plan.thinning), incident_(incident) {
+    : setting_(stack, plan, incident, seed, law == IncidentLaw::fixed),
+      thinning_(plan.thinning),
+      incident_(incident) {
   if (law != IncidentLaw::fixed) {
     // Both are of one w_i.
     setting_.walk.forced_chance = 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "phase/random/lattice.h"
 #include "phase/stack/builtin_stacks.h"
 #include "tests/volume/run/stacks.h"
 #include "tests/volume/run/tally_sums.h"
