@@ -26,9 +26,10 @@ struct LanePart {
 [[nodiscard]] std::optional<Dielectric> lane_bottom(const Stack& stack, const Plan& plan);
 inline constexpr double kDeepestPart = 16;
 
-/// Whether walks that are counted or kept where they leave, and send no light anywhere, take the normals of
-/// the stack's flakes by null collisions (volume/lanes/lane_null_flakes.h): in one layer of vMF
-/// flakes about z, none too narrow, or so deep and face down that light meets hardly anything else.
+/// Whether walks that are counted or kept where they leave, and send no light anywhere, take the
+/// normals of the stack's flakes by null collisions (volume/lanes/lane_null_flakes.h): in one layer
+/// of vMF flakes about z, none too narrow, or so deep and face down that light meets hardly
+/// anything else.
 [[nodiscard]] bool takes_null_collisions(const Stack& stack, const Plan& plan);
 
 /// A stack and its light in the numbers of lanes (float), or of their reference (double). The
