@@ -301,6 +301,31 @@ TEST(PairCells, AreMeansWithinTheirBounds) {
       pair_cells(pairs, grid, wi, true, {3}, std::vector<Rgb>(8, Rgb(1e-3)), 0.4, &stop)[0]);
 }
 
+// All cells of a side come from one field, few of them from blocks of their own.
+TEST(PairCells, AreTheSameFromAFieldAndFromBlocks) {
+  const Stack stack =
+      stack_of(layer(along(sggx(0.4, "mirror") + "\nshape = \"fiber\"", 1, 0, 0.4), 0.9, 1));
+  const MirrorPairs pairs(stack, supported_isas().back());
+  const CellGrid grid{4, 16};
+  const Direction wi = direction_from_degrees(50, 20);
+  const std::vector<Rgb> tolerance(grid.rows(), Rgb(2e-5));
+  std::vector<int> all;
+  for (int k = 0; k < grid.cells(); ++k) all.push_back(k);
+  const std::vector<int> few{3, 17, 40, 56, 63};
+  for (const bool up : {true, false}) {
+    EXPECT_TRUE(expected_seconds(pairs, grid, wi, up, all, tolerance, 1e-3, 0.4));
+    EXPECT_FALSE(expected_seconds(pairs, grid, wi, up, few, tolerance, 1e-3, 0.4));
+    const auto field = pair_cells(pairs, grid, wi, up, all, tolerance, 0.4, nullptr);
+    const auto blocks = pair_cells(pairs, grid, wi, up, few, tolerance, 0.4, nullptr);
+    for (std::size_t k = 0; k < few.size(); ++k) {
+      const CellMean &a = *field[few[k]], &b = *blocks[k];
+      EXPECT_NEAR(a.value.r, b.value.r, a.error.r + b.error.r) << few[k] << up;
+      EXPECT_LE(a.error.r, 3e-5);
+      EXPECT_GT(a.value.r, 1e-4);
+    }
+  }
+}
+
 // Flakes that lie or lean, seen from both sides, with and without planes of symmetry: at random
 // directions and at the edges of parts.
 TEST(PairField, IsWhatMirrorsScatterTwice) {
