@@ -30,7 +30,7 @@ LAMELLA_INLINE Real mean_decay_of(Real x) {
 }
 
 // Integral over s, t > 0, s + t < 1 of exp(-p s - q t): volume/quadrature/depth_integrals.cpp.
-// Relative error below 1e-13.
+// Relative error below 1e-12.
 template <class Real>
 LAMELLA_INLINE Real over_triangle_of(Real p, Real q) {
   using std::exp;

@@ -11,6 +11,7 @@
 #include "tests/volume/solver/deterministic_stacks.h"
 #include "volume/harmonics/beam_quadrature.h"
 #include "volume/harmonics/circle_points.h"
+#include "volume/harmonics/circle_sum_formulas.h"
 #include "volume/harmonics/pair_cells.h"
 #include "volume/harmonics/pair_field.h"
 #include "volume/quadrature/depth_integrals.h"
@@ -23,6 +24,11 @@ namespace {
 std::string along(const std::string& medium, double x, double y, double z) {
   return fmt::format("{}\naxis = [{}, {}, {}]", medium, x, y, z);
 }
+
+// mu_i, mu_o and the azimuth between: both sides, grazing, beside and at the direction straight on.
+constexpr std::array<double, 3> kHardPairs[] = {
+    {0.7, 0.6, 1.0},   {0.7, 0.7, 3.14}, {0.7, -0.7, 3.1}, {0.7, -0.7, kPi}, {-0.3, 0.5, 2.0},
+    {-0.4, -0.9, 0.3}, {1e-3, 0.5, 1.0}, {0.9, 1e-4, 2.0}, {0.02, 0.02, 3.0}};
 
 TEST(CirclePoints, FindZerosInTheComplexPlane) {
   // |a - z|^2 |b - z|^2 with z = exp(i phi) has zeros at the azimuths of a and b, at distances
@@ -97,6 +103,24 @@ TEST(CirclePanels, IntegrateWhatIsSteepAtTheHorizon) {
     }
 }
 
+// Their series and fractions against the integrals in double, from rates that nothing attenuates to
+// ones that all do, equal and nearly equal ones among them.
+TEST(CircleSum, HasTheIntegralsOverDepth) {
+  for (const double depth : {0.01, 1.0, 30.0})
+    for (double x = 1e-6; x < 1e3; x *= 3.7)
+      for (const double ratio : {1.0, 1 + 1e-7, 1.02, 3.0, 300.0}) {
+        const double y = ratio * x;
+        const auto expect = [&](double found, double exact) {
+          EXPECT_NEAR(found, exact, 1e-12 * exact) << depth << ' ' << x << ' ' << y;
+        };
+        expect(decays(x, depth), decay_integral(x, depth));
+        expect(decays(x, y, depth), decay_integral(x, y, depth));
+        expect(decays(y, x, depth), decay_integral(y, x, depth));
+        expect(crosses(x, y, depth), crossing_integral(x, y, depth));
+        expect(crosses(x, y, 2 * x, depth), crossing_integral(x, y, 2 * x, depth));
+      }
+}
+
 // Where the stack is symmetric: roughness from 0.02 to 0.5, several layers, Schlick's factor, a
 // half space, flakes with one side, both sides, grazing, beside and at the direction straight on.
 TEST(MirrorPairs, AreThoseOfTheSymmetricSolver) {
@@ -110,10 +134,7 @@ TEST(MirrorPairs, AreThoseOfTheSymmetricSolver) {
     const Stack stack = stack_of(toml);
     const SecondOrder expected(stack, 0);
     const MirrorPairs pairs(stack);
-    for (const auto& [mu_i, mu_o, phi] :
-         {std::array{0.7, 0.6, 1.0}, std::array{0.7, 0.7, 3.14}, std::array{0.7, -0.7, 3.1},
-          std::array{0.7, -0.7, kPi}, std::array{-0.3, 0.5, 2.0}, std::array{-0.4, -0.9, 0.3},
-          std::array{1e-3, 0.5, 1.0}, std::array{0.9, 1e-4, 2.0}, std::array{0.02, 0.02, 3.0}}) {
+    for (const auto& [mu_i, mu_o, phi] : kHardPairs) {
       const Direction wi = direction_from_mu_phi(mu_i, 0.3),
                       wo = direction_from_mu_phi(mu_o, 0.3 + phi);
       const SecondOrder::Value f = expected(wi, wo, 1e-12);
@@ -229,10 +250,7 @@ TEST(MirrorPairs, AreTheSameWithCirclesAboutTheAxis) {
     const MirrorPairs about_normal(stack, isa, MirrorCircles::about_normal), pairs(stack, isa);
     ASSERT_FALSE(pairs.layers().about_normal) << toml;
     ASSERT_TRUE(about_normal.layers().about_normal);
-    for (const auto& [mu_i, mu_o, phi] :
-         {std::array{0.7, 0.6, 1.0}, std::array{0.7, 0.7, 3.14}, std::array{0.7, -0.7, 3.1},
-          std::array{0.7, -0.7, kPi}, std::array{-0.3, 0.5, 2.0}, std::array{-0.4, -0.9, 0.3},
-          std::array{1e-3, 0.5, 1.0}, std::array{0.9, 1e-4, 2.0}, std::array{0.02, 0.02, 3.0}}) {
+    for (const auto& [mu_i, mu_o, phi] : kHardPairs) {
       const Direction wi = direction_from_mu_phi(mu_i, 0.3),
                       wo = direction_from_mu_phi(mu_o, 0.3 + phi);
       const double scale = about_normal(wi, wo, 1e-4).f.r;
