@@ -27,6 +27,8 @@ LAUNCHER := $(if $(CCACHE),-DCMAKE_CXX_COMPILER_LAUNCHER=$(CCACHE) -DLAMELLA_PCH
 demo: release
 	./build/release/lamella compare spongecake_two_layer -o lamella-demo
 
+# A minute of libFuzzer for each reader, with a seed of its own: what a test finds is found again.
+test: export FUZZ_SEED := 1
 test: install-test-packages release
 	ctest --preset release
 	cmake --preset asan $(LAUNCHER)

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "phase/parameters/toml_text.h"
+
 namespace lamella {
 namespace {
 
@@ -146,7 +148,7 @@ std::string to_text(const ParameterValue& value) {
       for (std::size_t i = 0; i < v.size(); ++i) text += (i ? ", " : "") + to_text(v[i]);
       return text + "]";
     }
-    std::string operator()(const std::string& s) const { return '"' + s + '"'; }
+    std::string operator()(const std::string& s) const { return quoted(s); }
   };
   return std::visit(Visitor{}, value);
 }

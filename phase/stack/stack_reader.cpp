@@ -220,6 +220,9 @@ class Reader : KeyReader {
     const auto name = table["bsdf"].value<std::string>();
     const bool simple = !name || *name == "lambert" || *name == "black";
     const bool bed = stack.grains() && stack.grains()->is_bed();
+    if (name && name->empty())
+      fail(table.get("bsdf")->source(),
+           "substrate: key \"bsdf\": found an empty word; allowed: a closed form's name");
     if (!simple && (bed || stack.has_grid()))
       fail(table.get("bsdf")->source(),
            fmt::format("substrate: key \"bsdf\": found \"{}\" below {}; allowed: lambert, black",

@@ -1,19 +1,10 @@
 #include <fmt/format.h>
 
+#include "phase/parameters/toml_text.h"
 #include "phase/stack/stack_file.h"
 
 namespace lamella {
 namespace {
-
-// A TOML string. Names with control characters are refused before.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
-}
 
 std::string grid_text(const GridReference& grid) {
   std::string text =
@@ -52,9 +43,9 @@ std::string to_toml(const Stack& stack) {
     text += '\n';
   }
   if (stack.substrate && !stack.substrate->model.empty()) {
-    text += fmt::format("[substrate]\nbsdf = \"{}\"\n", stack.substrate->model);
+    text += fmt::format("[substrate]\nbsdf = {}\n", quoted(stack.substrate->model));
     for (const auto& [key, value] : stack.substrate->parameters.all())
-      text += fmt::format("{} = {}\n", key, to_text(value));
+      text += fmt::format("{} = {}\n", toml_key(key), to_text(value));
   } else if (stack.substrate) {
     text += fmt::format("[substrate]\nbsdf = \"lambert\"\nalbedo = {}\n",
                         to_text(ParameterValue(stack.substrate->albedo)));
