@@ -30,7 +30,10 @@ std::optional<AxialNormals> axial(const Sggx& ndf) {
       [ndf, frame](double angle) {
         return ndf.density_of(std::sin(angle) * frame.s + std::cos(angle) * frame.n);
       },
-      ratio, low_alone ? std::vector<double>{kPi / 2} : std::vector<double>{0, kPi}};
+      ratio,
+      low_alone ? std::vector<double>{kPi / 2} : std::vector<double>{0, kPi},
+      false,
+      true};
 }
 
 std::optional<AxialNormals> axial(const Vmf& ndf) {

@@ -15,6 +15,7 @@ struct AxialNormals {
   double width = 1;           ///< [radians] D is smooth over angles that are small against this,
   std::vector<double> peaks;  ///< and over wider ones away from these angles
   bool mirrors = false;       ///< or Lambertian flakes
+  bool is_even = false;       ///< D is the same at an angle and at pi less it
 };
 
 /// Nothing for particles and for flakes whose distribution has no such axis (SGGX with three

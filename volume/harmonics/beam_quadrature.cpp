@@ -44,7 +44,8 @@ void add_quarter(std::vector<Ray>& rays, Direction along, double place, double s
 }
 
 // Even steps of the azimuth, where the beam is steep and no ray touches a cone.
-std::vector<Ray> rays_about(Direction along, int count, const std::vector<double>& cuts) {
+std::vector<Ray> rays_about(Direction along, int count, const std::vector<double>& cuts,
+                            bool is_even) {
   constexpr double kSteep = 0.3;
   std::vector<Ray> rays;
   std::vector<double> tangent;
@@ -55,24 +56,31 @@ std::vector<Ray> rays_about(Direction along, int count, const std::vector<double
           std::asin(std::sqrt((mu - steep) * (mu + steep)) / std::sqrt((1 - steep) * (1 + steep))));
   std::sort(tangent.begin(), tangent.end());
   if (steep > kSteep && tangent.empty()) {
-    const Frame<double> frame = frame_around(along);
-    for (int k = 0; k < count; ++k) {
+    Frame<double> frame = frame_around(along);
+    if (is_even) {
+      frame.t = {0, 1, 0};
+      frame.s = cross(frame.t, along);
+    }
+    for (int k = 0; k < (is_even ? count / 2 : count); ++k) {
       const double psi = 2 * kPi * (k + 0.5) / count;
       rays.push_back({std::cos(psi) * frame.s + std::sin(psi) * frame.t, 2 * kPi / count});
     }
-    return rays;
+  } else {
+    for (const double place : {kPi / 2, 3 * kPi / 2})
+      for (const double sign : {-1.0, 1.0})
+        if (!is_even || place < kPi) add_quarter(rays, along, place, sign, count, tangent);
   }
-  for (const double place : {kPi / 2, 3 * kPi / 2})
-    for (const double sign : {-1.0, 1.0}) add_quarter(rays, along, place, sign, count, tangent);
+  if (is_even)
+    for (Ray& ray : rays) ray.weight *= 2;
   return rays;
 }
 
 }  // namespace
 
 BeamQuadrature::BeamQuadrature(Direction along, int points, int rays,
-                               const std::vector<double>& cuts) {
+                               const std::vector<double>& cuts, bool is_even) {
   const Quadrature& rule = cached_gauss_legendre(points);
-  for (const auto& [across, azimuth_weight] : rays_about(along, rays, cuts)) {
+  for (const auto& [across, azimuth_weight] : rays_about(along, rays, cuts, is_even)) {
     // along cos r + across sin r crosses the horizon once on the way to the opposite of along.
     double cut = std::atan2(-along.z, across.z);
     if (cut < 0) cut += kPi;

@@ -17,7 +17,10 @@ struct BeamQuadrature {
   /// about a steep beam, more where it grazes. Harmonics of degree 12 are integrated to 1e-9 by 40
   /// points and 96 rays at any cosine from 1e-6 on.
   /// cuts: positive cosines that rays are cut at, too, on either side of the horizon.
-  BeamQuadrature(Direction along, int points, int rays, const std::vector<double>& cuts = {});
+  /// is_even: of functions that are the same at y and -y, by the rays of one side with twice their
+  /// weight; `along` lies in the plane between them.
+  BeamQuadrature(Direction along, int points, int rays, const std::vector<double>& cuts = {},
+                 bool is_even = false);
 };
 
 }  // namespace lamella

@@ -16,13 +16,12 @@ bool has_mirror_flakes(const Medium& medium) {
 
 }  // namespace
 
-BlockTransport::BlockTransport(const Stack& stack, int channel, const HarmonicBasis& basis,
+BlockTransport::BlockTransport(const Stack& stack, int channel, const LayerKernels& kernels,
                                const HarmonicResolution& resolution)
     : channel_(channel), streams_(stack, channel, resolution.finest, resolution.depth_nodes) {
   for (const LayeredStreams::Part& part : streams_.parts()) {
     resolution.check_stop();
-    kernels_.emplace_back(part.layer->medium, part.layer->f0[channel], basis,
-                          MatrixProduct(resolution.isa));
+    kernels_.push_back(kernels.of(*part.layer, part.layer->f0[channel]));
     mirrors_.push_back(has_mirror_flakes(part.layer->medium));
   }
 }
@@ -33,7 +32,7 @@ MatrixXd BlockTransport::scattered(const MatrixXd& radiance) const {
     const LayeredStreams::Part& part = streams_.parts()[p];
     source.middleCols(part.first, part.panels.size()) =
         part.layer->albedo[channel_] *
-        kernels_[p].apply(radiance.middleCols(part.first, part.panels.size()));
+        kernels_[p]->apply(radiance.middleCols(part.first, part.panels.size()));
   }
   return source;
 }
@@ -45,7 +44,7 @@ MatrixXd BlockTransport::scattered_by_mirrors(const MatrixXd& radiance) const {
     const LayeredStreams::Part& part = streams_.parts()[p];
     source.middleCols(part.first, part.panels.size()) =
         part.layer->albedo[channel_] *
-        kernels_[p].apply(radiance.middleCols(part.first, part.panels.size()));
+        kernels_[p]->apply(radiance.middleCols(part.first, part.panels.size()));
   }
   return source;
 }

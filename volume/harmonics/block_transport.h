@@ -1,11 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "phase/stack/stack.h"
-#include "volume/harmonics/harmonic_kernel.h"
 #include "volume/harmonics/harmonic_resolution.h"
+#include "volume/harmonics/layer_kernels.h"
 #include "volume/harmonics/layered_streams.h"
 
 namespace lamella {
@@ -17,7 +18,7 @@ class BlockTransport {
  public:
   /// The layers are those of the stack, which must outlive the object; what lies around them is not
   /// looked at.
-  BlockTransport(const Stack& stack, int channel, const HarmonicBasis& basis,
+  BlockTransport(const Stack& stack, int channel, const LayerKernels& kernels,
                  const HarmonicResolution& resolution);
 
   [[nodiscard]] const LayeredStreams& streams() const { return streams_; }
@@ -51,8 +52,8 @@ class BlockTransport {
 
   int channel_;
   LayeredStreams streams_;
-  std::vector<HarmonicKernel> kernels_;  // by part
-  std::vector<bool> mirrors_;            // by part
+  std::vector<std::shared_ptr<const HarmonicKernel>> kernels_;  // by part
+  std::vector<bool> mirrors_;                                   // by part
 };
 
 }  // namespace lamella

@@ -33,7 +33,7 @@ BoundedTransport::Block::Block(Stack inner, const DirectionSets& sets, int chann
                                const HarmonicBasis& basis, const HarmonicResolution& resolution,
                                int azimuths)
     : stack(std::move(inner)),
-      transport(stack, channel, basis, resolution),
+      transport(stack, channel, LayerKernels(basis, MatrixProduct(resolution.isa)), resolution),
       grid(SphereGrid::quadrature(basis, VectorXd(sets.out.head(sets.nodes())), sets.weight,
                                   azimuths, MatrixProduct(resolution.isa))) {
   const LayeredStreams& streams = transport.streams();

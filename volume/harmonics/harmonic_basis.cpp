@@ -4,7 +4,8 @@
 
 namespace lamella {
 
-HarmonicBasis::HarmonicBasis(int degree) : degree_(degree), a_(size()), b_(size()) {
+HarmonicBasis::HarmonicBasis(int degree, bool is_even)
+    : degree_(degree), is_even_(is_even), a_(size()), b_(size()) {
   a_.setZero();
   b_.setZero();
   for (int m = 0; m <= degree; ++m)
@@ -17,6 +18,7 @@ HarmonicBasis::HarmonicBasis(int degree) : degree_(degree), a_(size()), b_(size(
 }
 
 int HarmonicBasis::first(int m, bool sine) const {
+  if (is_even_) return m * (2 * degree_ - m + 3) / 2;
   // m = 0 has degree + 1 places, each m before this one two times as many as it has degrees.
   const int before = m == 0 ? 0 : (degree_ + 1) + (m - 1) * (2 * degree_ - m + 2);
   return before + (sine ? count(m) : 0);
@@ -49,7 +51,8 @@ void HarmonicBasis::values(Direction w, Eigen::Ref<Eigen::VectorXd> values) cons
     const double next = cosine * c - other * s;
     other = other * c + cosine * s;
     cosine = next;
-    values.segment(first(m, true), count(m)) = other * values.segment(first(m, false), count(m));
+    if (!is_even_)
+      values.segment(first(m, true), count(m)) = other * values.segment(first(m, false), count(m));
     values.segment(first(m, false), count(m)) *= cosine;
   }
 }

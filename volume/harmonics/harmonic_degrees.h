@@ -10,7 +10,7 @@
 namespace lamella {
 
 /// Degrees that are tried one after the other; each solution is the bound of the one before.
-inline constexpr int kHarmonicDegrees[] = {12, 17, 24, 34, 48, 68, 96};
+inline constexpr int kHarmonicDegrees[] = {12, 17, 24, 34, 48, 68, 96, 136, 192};
 
 /// Narrow distributions change nothing at low degrees: the first one that is worth its time.
 [[nodiscard]] inline std::size_t first_degree(const Stack& stack) {
@@ -20,7 +20,7 @@ inline constexpr int kHarmonicDegrees[] = {12, 17, 24, 34, 48, 68, 96};
 
 /// The time of the next degree over that of degree k: about this power of their ratio.
 [[nodiscard]] inline double growth(std::size_t k) {
-  constexpr double kPower = 4;
+  constexpr double kPower = 3.4;
   return std::pow(static_cast<double>(kHarmonicDegrees[k + 1]) / kHarmonicDegrees[k], kPower);
 }
 

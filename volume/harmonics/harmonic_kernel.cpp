@@ -67,34 +67,50 @@ std::vector<MatrixXd> lambert_blocks(const AxialNormals& normals, const Harmonic
   return blocks;
 }
 
+// Columns of one parity.
+MatrixXd every_other(const MatrixXd& columns, Eigen::Index first) {
+  const Eigen::Index count = (columns.cols() - first + 1) / 2;
+  return Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>>(
+      columns.data() + first * columns.rows(), columns.rows(), count,
+      Eigen::OuterStride<>(2 * columns.rows()));
+}
+
+// Adds the mean over normals of two turns' products, times what one mirror does to them.
+void add_mean(const MatrixXd& turns, const VectorXd& weights, const MatrixXd& one, bool is_even,
+              double factor, const MatrixProduct& product, Eigen::Ref<MatrixXd> block) {
+  const int step = is_even ? 2 : 1;
+  for (int first = 0; first < std::min<int>(step, static_cast<int>(turns.cols())); ++first) {
+    const MatrixXd some = is_even ? every_other(turns, first) : turns;
+    const MatrixXd mean = product(some.transpose(), weights.asDiagonal() * some);
+    for (Eigen::Index k = 0; k < some.cols(); ++k)
+      for (Eigen::Index j = 0; j < some.cols(); ++j)
+        block(first + step * j, first + step * k) +=
+            factor * mean(j, k) * one(first + step * j, first + step * k);
+  }
+}
+
 // Mirrors: about its own normal a flake turns each harmonic by half a turn and weights it with the
-// clamped cosine; then the mean over the normals, whose azimuth keeps each m apart.
+// clamped cosine; then the mean over the normals, whose azimuth keeps each m apart. Where normals
+// point along n as often as along -n, terms of n and of -n are the same for degrees of one parity,
+// and cancel between parities.
 std::vector<MatrixXd> mirror_blocks(const AxialNormals& normals, double f0,
                                     const HarmonicBasis& basis, const MatrixProduct& product) {
   const int degree = basis.degree();
   const std::vector<MatrixXd> one = one_mirror(f0, basis);
   const Quadrature rule = flake_angles(normals.peaks, normals.width, degree);
+  VectorXd weights(rule.points.size());
+  for (Eigen::Index k = 0; k < rule.points.size(); ++k)
+    weights[k] =
+        2 * kPi * normals.density(rule.points[k]) * std::sin(rule.points[k]) * rule.weights[k];
   std::vector<MatrixXd> blocks(degree + 1);
   tbb::parallel_for(0, degree + 1, [&](int m) {
     MatrixXd& block = blocks[m];
     block = MatrixXd::Zero(basis.count(m), basis.count(m));
-    VectorXd turn(degree + 1);
-    MatrixXd turns(degree + 1, rule.points.size());
-    for (int n = -degree; n <= degree; ++n) {
-      const int lowest = std::max(m, std::abs(n));
-      const int rows = degree - lowest + 1;
-      for (Eigen::Index k = 0; k < rule.points.size(); ++k) {
-        wigner_d(m, n, rule.points[k], turn);
-        turns.col(k) = turn;
-      }
-      VectorXd weights(rule.points.size());
-      for (Eigen::Index k = 0; k < rule.points.size(); ++k)
-        weights[k] =
-            2 * kPi * normals.density(rule.points[k]) * std::sin(rule.points[k]) * rule.weights[k];
-      const MatrixXd part = turns.bottomRows(rows);
-      const MatrixXd mean = product(part, weights.asDiagonal() * part.transpose());
-      block.bottomRightCorner(rows, rows) +=
-          mean.cwiseProduct(one[std::abs(n)].bottomRightCorner(rows, rows));
+    for (int n = normals.is_even ? 0 : -degree; n <= degree; ++n) {
+      const MatrixXd turns = wigner_rows(m, n, rule.points, degree);
+      const Eigen::Index rows = turns.cols();
+      add_mean(turns, weights, one[std::abs(n)].bottomRightCorner(rows, rows), normals.is_even,
+               normals.is_even && n > 0 ? 2 : 1, product, block.bottomRightCorner(rows, rows));
     }
   });
   return blocks;
@@ -133,7 +149,7 @@ MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
   if (by_m_.empty()) {
     for (int m = 0; m <= basis_.degree(); ++m)
       for (const bool sine : {false, true}) {
-        if (sine && m == 0) continue;
+        if (!basis_.has(m, sine)) continue;
         const int first = basis_.first(m, sine), count = basis_.count(m);
         source.middleRows(first, count) =
             by_degree_.tail(count).asDiagonal() * radiance.middleRows(first, count);
@@ -143,7 +159,7 @@ MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
   const MatrixXd turned = turn_ ? turn_->to_axis(radiance) : radiance;
   tbb::parallel_for(0, basis_.degree() + 1, [&](int m) {
     for (const bool sine : {false, true}) {
-      if (sine && m == 0) continue;
+      if (!basis_.has(m, sine)) continue;
       const int first = basis_.first(m, sine), count = basis_.count(m);
       source.middleRows(first, count) = product_(by_m_[m], turned.middleRows(first, count));
     }

@@ -91,19 +91,23 @@ class Refinement {
 
   void solve_level(int degree, const std::atomic<bool>* stop) {
     HarmonicLevel next{degree, {}};
+    HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
+                                                  options_.tolerance, options_.isa, stop);
+    resolution.is_even = is_even(stack_, incident());
+    const LayerKernels kernels(HarmonicTransport::basis_of(resolution),
+                               MatrixProduct(options_.isa));
     for (const int channel : lobes_.channels()) {
-      const HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
-                                                          options_.tolerance, options_.isa, stop);
       if (is_bounded_)
         solve_bounded(channel, resolution, next);
       else
-        solve_open(channel, resolution, next);
+        solve_open(channel, resolution, kernels, next);
     }
     lobes_.levels.add(std::move(next));
   }
 
-  void solve_open(int channel, const HarmonicResolution& resolution, HarmonicLevel& level) const {
-    const HarmonicTransport transport(stack_, channel, resolution);
+  void solve_open(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
+                  HarmonicLevel& level) const {
+    const HarmonicTransport transport(stack_, channel, resolution, &kernels);
     level.answers.emplace_back();
     for (std::size_t i = 0; i < incident().size(); ++i) {
       report(resolution.degree);

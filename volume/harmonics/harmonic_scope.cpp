@@ -46,6 +46,18 @@ std::optional<std::string> why_not_bounded(const Stack& stack) {
 
 }  // namespace
 
+bool is_even(const Stack& stack, std::span<const Direction> incident) {
+  // Rounding of an azimuth of pi.
+  const auto in_plane = [](Direction w) { return std::abs(w.y) < 1e-15; };
+  if (stack.has_boundaries() || !std::all_of(incident.begin(), incident.end(), in_plane))
+    return false;
+  return std::all_of(stack.layers.begin(), stack.layers.end(), [&](const Layer& layer) {
+    if (layer.depth() == 0 || !has_normals(layer.medium)) return true;
+    const auto normals = axial_normals(layer.medium);
+    return normals && in_plane(normals->axis);
+  });
+}
+
 std::optional<std::string> why_not_harmonic(const Stack& stack) {
   if (stack.has_grid()) return "a grid varies a layer's density laterally";
   if (stack.grains()) return "the stack is explicit geometry";

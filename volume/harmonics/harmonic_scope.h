@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "phase/stack/stack.h"
@@ -13,5 +14,9 @@ namespace lamella {
 /// The width of the narrowest phase function in the stack [radians], 1 at the most: the degree that
 /// a solution takes grows with its inverse.
 [[nodiscard]] double narrowest_feature(const Stack& stack);
+
+/// Whether a stack without boundaries and some incident directions are the same at y and -y, so
+/// that all light in it is: axes of flakes and directions lie in the plane y = 0.
+[[nodiscard]] bool is_even(const Stack& stack, std::span<const Direction> incident);
 
 }  // namespace lamella

@@ -22,18 +22,20 @@ int azimuths_for(int degree) { return 2 * degree + 32; }
 // The beam's quadrature, of which every part of a ray is about a right angle long.
 int ray_points(int degree) { return std::max(32, degree + 8); }
 int rays_for(int degree) { return 2 * degree + 64; }
-// Sums over directions are made in this many pieces, whatever the number of threads.
-constexpr int kPieces = 32;
+// Sums over directions are made in this many pieces, whatever the number of threads; as many as
+// these are kept at a time.
+constexpr int kPieces = 32, kPiecesAtATime = 8;
 constexpr int kMaxIterations = 200;
 
 }  // namespace
 
 HarmonicTransport::HarmonicTransport(const Stack& stack, int channel,
-                                     const HarmonicResolution& resolution)
+                                     const HarmonicResolution& resolution,
+                                     const LayerKernels* kernels)
     : stack_(stack),
       resolution_(resolution),
-      basis_(resolution.degree),
-      block_(stack, channel, basis_, resolution),
+      basis_(basis_of(resolution)),
+      block_(stack, channel, kernels ? *kernels : LayerKernels(basis_, product()), resolution),
       grid_(SphereGrid::quadrature(basis_, cosines_for(resolution.degree),
                                    azimuths_for(resolution.degree), product())) {
   if (stack.substrate) ground_albedo_ = stack.substrate->albedo[channel];
@@ -79,7 +81,8 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
   First result;
   VectorXd share(streams().size());
   result.uncollided = streams().beam(wi, share.data());
-  const BeamQuadrature beam(-wi, ray_points(basis_.degree()), rays_for(basis_.degree()));
+  const BeamQuadrature beam(-wi, ray_points(basis_.degree()), rays_for(basis_.degree()), {},
+                            basis_.is_even());
   const int directions = static_cast<int>(beam.directions.size());
   const bool is_mixed = block_.is_mixed();
   struct Piece {
@@ -87,10 +90,8 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
     double up = 0, down = 0, absorbed = 0;
     std::vector<double> leaving;  // by part: share of what collides
   };
-  std::vector<Piece> pieces(kPieces);
-  tbb::parallel_for(0, kPieces, [&](int p) {
+  const auto sum_up = [&](int p, Piece& piece) {
     const int begin = directions * p / kPieces, end = directions * (p + 1) / kPieces;
-    Piece& piece = pieces[p];
     MatrixXd harmonics(basis_.size(), end - begin), radiance(streams().size(), end - begin);
     MatrixXd of_mirrors(streams().size(), is_mixed ? end - begin : 0);
     std::vector<double> block(streams().block_size());
@@ -118,18 +119,23 @@ HarmonicTransport::First HarmonicTransport::first(Direction wi) const {
     }
     piece.coefficients = product()(harmonics, radiance.transpose());
     if (is_mixed) piece.of_mirrors = product()(harmonics, of_mirrors.transpose());
-  });
+  };
   MatrixXd coefficients = MatrixXd::Zero(basis_.size(), streams().size());
   MatrixXd of_mirrors = MatrixXd::Zero(basis_.size(), is_mixed ? streams().size() : 0);
   double arriving = 0;
   std::vector<double> leaving(streams().parts().size(), 0);
-  for (const Piece& piece : pieces) {
-    for (std::size_t n = 0; n < leaving.size(); ++n) leaving[n] += piece.leaving[n];
-    coefficients += piece.coefficients;
-    if (is_mixed) of_mirrors += piece.of_mirrors;
-    result.light.reflected += piece.up;
-    arriving += piece.down;
-    result.light.absorbed += piece.absorbed;
+  for (int p = 0; p < kPieces; p += kPiecesAtATime) {
+    resolution_.check_stop();
+    std::vector<Piece> pieces(kPiecesAtATime);
+    tbb::parallel_for(0, kPiecesAtATime, [&](int k) { sum_up(p + k, pieces[k]); });
+    for (const Piece& piece : pieces) {
+      for (std::size_t n = 0; n < leaving.size(); ++n) leaving[n] += piece.leaving[n];
+      coefficients += piece.coefficients;
+      if (is_mixed) of_mirrors += piece.of_mirrors;
+      result.light.reflected += piece.up;
+      arriving += piece.down;
+      result.light.absorbed += piece.absorbed;
+    }
   }
   result.absorbed = block_.first_absorbed(wi, leaving);
   const auto meet = [&](double arriving_at_ground) {

@@ -28,7 +28,13 @@ struct HarmonicLight {
 /// Light in a stack of homogeneous layers without interfaces, of any axes, in one colour channel.
 class HarmonicTransport {
  public:
-  HarmonicTransport(const Stack& stack, int channel, const HarmonicResolution& resolution);
+  /// kernels: of this stack and this resolution's degree, shared between channels; null: its own.
+  HarmonicTransport(const Stack& stack, int channel, const HarmonicResolution& resolution,
+                    const LayerKernels* kernels = nullptr);
+  /// The basis that belongs to a resolution.
+  [[nodiscard]] static HarmonicBasis basis_of(const HarmonicResolution& resolution) {
+    return HarmonicBasis(resolution.degree, resolution.is_even);
+  }
 
   /// One order from the one before it.
   [[nodiscard]] HarmonicLight follow(const HarmonicSource& source) const;

@@ -52,6 +52,10 @@ MatrixXd HarmonicTurn::about_z(const MatrixXd& coefficients, double angle) const
   for (int m = 1; m <= basis_.degree(); ++m) {
     const double c = std::cos(m * angle), s = std::sin(m * angle);
     const auto cosine = coefficients.middleRows(basis_.first(m, false), basis_.count(m));
+    if (basis_.is_even()) {
+      turned.middleRows(basis_.first(m, false), basis_.count(m)) = c * cosine;
+      continue;
+    }
     const auto sine = coefficients.middleRows(basis_.first(m, true), basis_.count(m));
     turned.middleRows(basis_.first(m, false), basis_.count(m)) = c * cosine + s * sine;
     turned.middleRows(basis_.first(m, true), basis_.count(m)) = c * sine - s * cosine;
@@ -63,6 +67,7 @@ MatrixXd HarmonicTurn::about_y(const MatrixXd& coefficients, bool back) const {
   MatrixXd turned(coefficients.rows(), coefficients.cols());
   tbb::parallel_for(0, basis_.degree() + 1, [&](int l) {
     for (const bool sine : {false, true}) {
+      if (sine && basis_.is_even()) continue;
       const Turn& both = sine ? sines_[l] : cosines_[l];
       const MatrixXd& turn = back ? both.back : both.there;
       if (turn.size() == 0) continue;

@@ -12,7 +12,8 @@ namespace lamella {
 /// axis is another direction. Columns are functions, rows as HarmonicBasis lists them.
 class HarmonicTurn {
  public:
-  /// spin: of the other frame about its z [radians].
+  /// spin: of the other frame about its z [radians]. With an even basis the axis lies in the plane
+  /// y = 0, and there is no spin.
   HarmonicTurn(const HarmonicBasis& basis, Direction axis, MatrixProduct product = MatrixProduct(),
                double spin = 0);
 

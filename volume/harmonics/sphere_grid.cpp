@@ -26,13 +26,13 @@ SphereGrid::SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::
           values.segment(basis.first(m, false), basis.count(m));
   }
   for (const MatrixXd& of_mu : legendre_) legendre_of_l_.emplace_back(of_mu.transpose());
-  waves_.resize(static_cast<Index>(phi_.size()), 2 * degree + 1);
+  waves_.resize(static_cast<Index>(phi_.size()), waves());
   for (std::size_t p = 0; p < phi_.size(); ++p) {
     const Index row = static_cast<Index>(p);
     waves_(row, 0) = 1;
     for (int m = 1; m <= degree; ++m) {
-      waves_(row, 2 * m - 1) = std::sqrt(2.0) * std::cos(m * phi_[p]);
-      waves_(row, 2 * m) = std::sqrt(2.0) * std::sin(m * phi_[p]);
+      waves_(row, wave(m, false)) = std::sqrt(2.0) * std::cos(m * phi_[p]);
+      if (basis_.has(m, true)) waves_(row, wave(m, true)) = std::sqrt(2.0) * std::sin(m * phi_[p]);
     }
   }
   waves_of_phi_ = waves_.transpose();
@@ -54,13 +54,15 @@ SphereGrid SphereGrid::quadrature(const HarmonicBasis& basis, const VectorXd& of
                                   const VectorXd& weights, int azimuths, MatrixProduct product) {
   std::vector<double> mu, phi, weight;
   const double step = 2 * kPi / azimuths;
+  const double share = basis.is_even() ? 2 * step : step;
   for (const double sign : {1.0, -1.0})
     for (Index k = 0; k < of_hemisphere.size(); ++k) {
       mu.push_back(sign * of_hemisphere[k]);
-      weight.push_back(step * weights[k]);
+      weight.push_back(share * weights[k]);
     }
   // Half a step off the axes, where planes of symmetry lie.
-  for (int p = 0; p < azimuths; ++p) phi.push_back(step * (p + 0.5));
+  const int kept = basis.is_even() ? azimuths / 2 : azimuths;
+  for (int p = 0; p < kept; ++p) phi.push_back(step * (p + 0.5));
   SphereGrid grid(basis, std::move(mu), std::move(phi), product);
   grid.weight_ = std::move(weight);
   return grid;
@@ -74,21 +76,19 @@ MatrixXd SphereGrid::values(const MatrixXd& coefficients) const {
   const Index functions = coefficients.cols(), cosines = static_cast<Index>(mu_.size());
   const int degree = basis_.degree();
   // Functions down, then by wave the cosines.
-  MatrixXd amplitudes(functions, cosines * (2 * degree + 1));
+  MatrixXd amplitudes(functions, cosines * waves());
   tbb::parallel_for(0, degree + 1, [&](int m) {
     for (const bool sine : {false, true}) {
-      if (sine && m == 0) continue;
-      const int wave = m == 0 ? 0 : 2 * m - (sine ? 0 : 1);
-      amplitudes.middleCols(wave * cosines, cosines) =
+      if (!basis_.has(m, sine)) continue;
+      amplitudes.middleCols(wave(m, sine) * cosines, cosines) =
           product_(coefficients.middleRows(basis_.first(m, sine), basis_.count(m)).transpose(),
                    legendre_[m]);
     }
   });
   MatrixXd result(functions, size());
   tbb::parallel_for(Index{0}, cosines, [&](Index k) {
-    MatrixXd of_mu(functions, 2 * degree + 1);
-    for (int wave = 0; wave <= 2 * degree; ++wave)
-      of_mu.col(wave) = amplitudes.col(wave * cosines + k);
+    MatrixXd of_mu(functions, waves());
+    for (int wave = 0; wave < waves(); ++wave) of_mu.col(wave) = amplitudes.col(wave * cosines + k);
     result.middleCols(k * azimuths(), azimuths()) = product_(of_mu, waves_of_phi_);
   });
   return result;
@@ -97,20 +97,18 @@ MatrixXd SphereGrid::values(const MatrixXd& coefficients) const {
 MatrixXd SphereGrid::coefficients(const MatrixXd& values) const {
   const Index functions = values.rows(), cosines = static_cast<Index>(mu_.size());
   const int degree = basis_.degree();
-  MatrixXd amplitudes(functions, cosines * (2 * degree + 1));
+  MatrixXd amplitudes(functions, cosines * waves());
   tbb::parallel_for(Index{0}, cosines, [&](Index k) {
     const MatrixXd of_mu =
         weight_[k] * product_(values.middleCols(k * azimuths(), azimuths()), waves_);
-    for (int wave = 0; wave <= 2 * degree; ++wave)
-      amplitudes.col(wave * cosines + k) = of_mu.col(wave);
+    for (int wave = 0; wave < waves(); ++wave) amplitudes.col(wave * cosines + k) = of_mu.col(wave);
   });
   MatrixXd result(basis_.size(), functions);
   tbb::parallel_for(0, degree + 1, [&](int m) {
     for (const bool sine : {false, true}) {
-      if (sine && m == 0) continue;
-      const int wave = m == 0 ? 0 : 2 * m - (sine ? 0 : 1);
-      result.middleRows(basis_.first(m, sine), basis_.count(m)) =
-          product_(legendre_[m], amplitudes.middleCols(wave * cosines, cosines).transpose());
+      if (!basis_.has(m, sine)) continue;
+      result.middleRows(basis_.first(m, sine), basis_.count(m)) = product_(
+          legendre_[m], amplitudes.middleCols(wave(m, sine) * cosines, cosines).transpose());
     }
   });
   return result;

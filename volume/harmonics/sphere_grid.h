@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "volume/algebra/matrix_product.h"
@@ -15,7 +16,8 @@ class SphereGrid {
   SphereGrid(const HarmonicBasis& basis, std::vector<double> mu, std::vector<double> phi,
              MatrixProduct product = MatrixProduct());
   /// Quadrature over the sphere: mu = t^2 on each hemisphere with Gauss-Legendre in t, so that
-  /// functions with a jump at mu = 0 are integrated, too; even steps of phi. Upwards first.
+  /// functions with a jump at mu = 0 are integrated, too; even steps of phi, an even number of
+  /// them, of which an even basis has the half between 0 and pi. Upwards first.
   static SphereGrid quadrature(const HarmonicBasis& basis, int mu_per_hemisphere, int azimuths,
                                MatrixProduct product = MatrixProduct());
 
@@ -42,6 +44,11 @@ class SphereGrid {
   std::vector<double> mu_, phi_, weight_;
   // By m: rows l, columns mu, and the other way round.
   std::vector<Eigen::MatrixXd> legendre_, legendre_of_l_;
+  [[nodiscard]] int waves() const { return basis_.degree() * (basis_.is_even() ? 1 : 2) + 1; }
+  [[nodiscard]] int wave(int m, bool sine) const {
+    return basis_.is_even() ? m : std::max(0, 2 * m - (sine ? 0 : 1));
+  }
+
   // Columns 1, then cosine and sine of each m, rows phi; and the other way round.
   Eigen::MatrixXd waves_, waves_of_phi_;
 };

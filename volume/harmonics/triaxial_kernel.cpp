@@ -91,20 +91,12 @@ void add_mirrors(const HarmonicBasis& basis, const MatrixProduct& product,
                  const std::vector<MatrixXd>& one, const Quadrature& rule, const MatrixXd& means,
                  std::vector<std::vector<Pair>>& pairs) {
   const int degree = basis.degree();
-  const Eigen::Index points = rule.points.size();
   const VectorXd sines = rule.points.array().sin() * rule.weights.array() * 2 * kPi;
   for (int n = -degree; n <= degree; ++n) {
     // Of m from -degree to degree: rows l from max(|m|, |n|) on.
     std::vector<MatrixXd> turns(2 * degree + 1);
     tbb::parallel_for(-degree, degree + 1, [&](int m) {
-      const int lowest = std::max(std::abs(m), std::abs(n));
-      MatrixXd& turn = turns[m + degree];
-      turn.resize(degree - lowest + 1, points);
-      VectorXd values(degree + 1);
-      for (Eigen::Index k = 0; k < points; ++k) {
-        wigner_d(m, n, rule.points[k], values);
-        turn.col(k) = values.tail(degree - lowest + 1);
-      }
+      turns[m + degree] = wigner_rows(m, n, rule.points, degree).transpose();
     });
     tbb::parallel_for(0, degree + 1, [&](int m) {
       for (int other = m % 2; other <= m; other += 2)

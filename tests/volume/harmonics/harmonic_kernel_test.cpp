@@ -36,7 +36,7 @@ TEST(HarmonicBasis, IsOrthonormal) {
 
 // At the highest degree that is used, m by m: Gauss-Legendre is exact for products of two.
 TEST(HarmonicBasis, IsOrthonormalAtTheHighestDegree) {
-  constexpr int kDegree = 96;
+  constexpr int kDegree = 192;
   const HarmonicBasis basis(kDegree);
   const Quadrature& rule = cached_gauss_legendre(kDegree + 2);
   VectorXd values(basis.size());
@@ -119,10 +119,10 @@ TEST(Wigner, IsTheKnownPolynomialAtLowDegreesAndOrthogonalAtHighOnes) {
     EXPECT_NEAR(d[2], std::pow((1 - c) / 2, 2), 1e-14);
   }
   // Rows of a turn have length 1.
-  constexpr int kDegree = 96;
+  constexpr int kDegree = 192;
   VectorXd values(kDegree + 1);
   for (const double angle : {0.01, 0.9, 3.1})
-    for (const int m : {0, 3, -50, 96}) {
+    for (const int m : {0, 3, -50, 192}) {
       double square = 0;
       for (int n = -kDegree; n <= kDegree; ++n) {
         wigner_d(m, n, angle, values);
