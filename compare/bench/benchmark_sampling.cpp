@@ -42,6 +42,57 @@ SampledVariances sampled_variances(const Simulation& simulation) {
   return found;
 }
 
+// Directions of f at points: one is near grazing, where little of a walk's depth is seen.
+std::vector<Direction> sampled_points() {
+  std::vector<Direction> points;
+  for (const double mu : {0.9, 0.6, 0.3, 0.1})
+    for (const double phi : {0.3, 2.2}) points.push_back(direction_from_mu_phi(mu, phi));
+  return points;
+}
+
+// The geometric mean of the variances of f at the points, as `cells`.
+SampledVariances point_variances(const Simulation& simulation, std::size_t points) {
+  SampledVariances found{};
+  for (std::size_t k = 0; k < kSampledCount; ++k) {
+    const Order order = kSampledLobes[k].order;
+    const int slots = simulation.plan().order_slots();
+    const bool sums = order == Order::all || order == Order::multiple;
+    const int first = order == Order::all        ? place(Order::one)
+                      : order == Order::multiple ? place(Order::two)
+                                                 : place(order);
+    double logarithms = 0;
+    for (std::size_t j = 0; j < points; ++j) {
+      const Estimate f = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        double sum = 0;
+        for (int slot = first; slot < (sums ? slots : first + 1); ++slot)
+          sum += b.f[static_cast<std::size_t>(slot) * simulation.plan().channels * points + j];
+        return sum;
+      });
+      logarithms += 2 * std::log(f.standard_error);
+    }
+    found[k].cells = std::exp(logarithms / static_cast<double>(points));
+  }
+  return found;
+}
+
+// What is measured: counted walks and next-event estimation on cells, and f at points.
+enum class Sampled : std::uint8_t { counted_cells, next_event_cells, points };
+
+SampledVariances measure_one(const Stack& stack, const Plan& plan, Sampled what,
+                             std::uint64_t walks, std::uint64_t seed, double& seconds) {
+  if (what == Sampled::points) {
+    const std::vector<Direction> points = sampled_points();
+    Simulation simulation(stack, plan, benchmark_incident(), points, seed);
+    seconds = seconds_of([&] { simulation.advance(walks); });
+    return point_variances(simulation, points.size());
+  }
+  const Estimator estimator =
+      what == Sampled::counted_cells ? Estimator::analog : Estimator::next_event;
+  Simulation simulation(stack, plan, benchmark_incident(), estimator, CellGrid{}, seed);
+  seconds = seconds_of([&] { simulation.advance(walks); });
+  return sampled_variances(simulation);
+}
+
 // Random and rqmc walks of the same number.
 struct SamplingPair {
   double walks;
@@ -61,7 +112,7 @@ double variance_slope(const std::vector<SamplingPair>& pairs, const VarianceOf& 
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-std::vector<SamplingPair> measure_pairs(const Stack& stack, Estimator estimator,
+std::vector<SamplingPair> measure_pairs(const Stack& stack, Sampled what,
                                         const BenchmarkEffort& effort, std::uint64_t seed) {
   constexpr int kSeeds = 4;
   std::vector<SamplingPair> pairs;
@@ -78,10 +129,9 @@ std::vector<SamplingPair> measure_pairs(const Stack& stack, Estimator estimator,
         Plan plan = make_plan(stack);
         plan.isa = effort.isa;
         plan.sampling = sampling;
-        Simulation simulation(stack, plan, benchmark_incident(), estimator, CellGrid{}, seed + k);
-        const double seconds = seconds_of([&] { simulation.advance(walks); });
+        double seconds = 0;
+        const SampledVariances found = measure_one(stack, plan, what, walks, seed + k, seconds);
         pair.seconds[place] = k == 0 ? seconds : std::min(pair.seconds[place], seconds);
-        const SampledVariances found = sampled_variances(simulation);
         for (std::size_t lobe = 0; lobe < kSampledCount; ++lobe) {
           pair.variances[place][lobe].cells += found[lobe].cells / kSeeds;
           pair.variances[place][lobe].energy += found[lobe].energy / kSeeds;
@@ -129,12 +179,19 @@ void measure_sampling(const BenchmarkEffort& effort, std::uint64_t seed, const R
   for (const char* name : {"lambert_sphere_halfspace", "sggx_slab", "vmf_halfspace", "vmf_sand",
                            "spongecake_two_layer"}) {
     const Stack stack = load_stack(name);
-    for (const Estimator estimator : {Estimator::next_event, Estimator::analog}) {
-      const auto pairs = one.execute([&] { return measure_pairs(stack, estimator, effort, seed); });
-      const std::string what = fmt::format("{}/{}", name, to_text(estimator));
+    for (const Sampled sampled :
+         {Sampled::next_event_cells, Sampled::points, Sampled::counted_cells}) {
+      const auto pairs = one.execute([&] { return measure_pairs(stack, sampled, effort, seed); });
+      const std::string what =
+          fmt::format("{}/{}", name,
+                      sampled == Sampled::points
+                          ? "points"
+                          : to_text(sampled == Sampled::counted_cells ? Estimator::analog
+                                                                      : Estimator::next_event) +
+                                "/cells");
       for (std::size_t lobe = 0; lobe < kSampledCount; ++lobe)
-        report_sampling(what + "/cells", pairs, lobe, &SampledVariance::cells, report);
-      if (estimator == Estimator::next_event) continue;
+        report_sampling(what, pairs, lobe, &SampledVariance::cells, report);
+      if (sampled != Sampled::counted_cells) continue;
       for (std::size_t lobe = 0; lobe < kSampledCount; ++lobe)
         report_sampling(std::string(name) + "/energy", pairs, lobe, &SampledVariance::energy,
                         report);

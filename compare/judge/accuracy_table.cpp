@@ -40,7 +40,9 @@ std::string toml_of(const Family& family, const std::vector<double>& values) {
   return toml;
 }
 
-constexpr double kCoatTolerance = 1e-4, kLeaningTolerance = 1e-5;
+constexpr double kCoatTolerance = 1e-4, kLeaningTolerance = 1e-6;
+// Of a direction among flakes that lean, most of it for 0.3.
+constexpr double kLeaningSeconds = 300;
 
 // One of the values at a time, about an index of 1.5, alpha 0.1 and albedo 0.8; then the corners
 // where light stays longest.
@@ -108,10 +110,12 @@ const std::vector<Family>& families() {
 }
 
 std::vector<ModelAccuracy> accuracy_on(const Stack& stack, const std::string& family,
-                                       double tolerance, const RunMonitor& monitor) {
+                                       double tolerance, std::optional<double> seconds,
+                                       const RunMonitor& monitor) {
   TruthRequest request{.stack = stack};
   request.estimator = Estimator::deterministic;
   request.tolerance = tolerance;
+  request.effort.seconds = seconds;
   GroundTruth truth(std::move(request), Estimator::analog, monitor);
   const std::vector<BoundModel> models = fitted_models_for({}, stack);
   std::vector<ModelAccuracy> rows;
@@ -154,10 +158,13 @@ void measure_model_accuracy(bool quick, double tolerance, const RunMonitor& moni
         name += fmt::format("{}{} {}", i ? ", " : "", family.keys[i], family.values[k][i]);
       const Stack stack =
           with_surface_model(parse_stack(toml_of(family, family.values[k]), family.name, name));
-      const double enough = std::max(tolerance, family.coat    ? kCoatTolerance
-                                                : family.leans ? kLeaningTolerance
-                                                               : 0);
-      for (const ModelAccuracy& row : accuracy_on(stack, family.name, enough, monitor)) report(row);
+      const double enough = family.coat    ? std::max(tolerance, kCoatTolerance)
+                            : family.leans ? std::min(tolerance, kLeaningTolerance)
+                                           : tolerance;
+      const std::optional<double> seconds =
+          family.leans ? std::optional(kLeaningSeconds) : std::nullopt;
+      for (const ModelAccuracy& row : accuracy_on(stack, family.name, enough, seconds, monitor))
+        report(row);
     }
   }
 }

@@ -22,9 +22,9 @@ struct ModelAccuracy {
 };
 
 /// Every closed form that claims a medium, over its parameters, against the deterministic solver on
-/// 16 x 32 cells, to the tolerance, to 1e-4 under coats and 1e-3 (quick: 1e-2) of flakes that lean
-/// or lie. `quick`: the first stack of each family. Ends after the stack at hand once the monitor
-/// stops.
+/// 16 x 32 cells, to the tolerance, to 1e-4 under coats and 1e-6 of flakes that lean or lie, which
+/// take a minute or two each. `quick`: the first stack of each family, of those that are symmetric
+/// about the normal. Ends after the stack at hand once the monitor stops.
 void measure_model_accuracy(bool quick, double tolerance, const RunMonitor& monitor,
                             const std::function<void(const ModelAccuracy&)>& report);
 

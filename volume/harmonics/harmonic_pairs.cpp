@@ -38,6 +38,9 @@ class PairRefinement {
       pairs_.emplace_back(solvable(wi), with_grazing_limit(wo));
       lowest_ = std::min(lowest_, std::abs(pairs_.back().first.z));
     }
+    std::vector<Direction> incident;
+    for (const auto& pair : pairs_) incident.push_back(pair.first);
+    is_even_ = is_even(stack, incident);
     // Pairs of one incident direction share its solution.
     for (std::size_t k = 0; k < pairs_.size(); ++k) order_.push_back(k);
     const auto key = [&](std::size_t k) {
@@ -104,22 +107,25 @@ class PairRefinement {
 
   void solve(int degree, const std::atomic<bool>* stop) {
     std::vector<std::vector<Parts>> next(channels_.size(), std::vector<Parts>(pairs_.size()));
+    HarmonicResolution resolution =
+        resolution_of(degree, levels_, lowest_, options_.tolerance, options_.isa, stop);
+    resolution.is_even = is_even_;
+    const LayerKernels kernels(HarmonicTransport::basis_of(resolution),
+                               MatrixProduct(options_.isa));
     for (std::size_t n = 0; n < channels_.size(); ++n) {
-      const HarmonicResolution resolution =
-          resolution_of(degree, levels_, lowest_, options_.tolerance, options_.isa, stop);
       if (is_bounded_)
         solve_bounded(channels_[n], resolution, next[n]);
       else
-        solve_open(channels_[n], resolution, next[n]);
+        solve_open(channels_[n], resolution, kernels, next[n]);
     }
     before_ = std::move(now_);
     now_ = std::move(next);
     ++levels_;
   }
 
-  void solve_open(int channel, const HarmonicResolution& resolution,
+  void solve_open(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
                   std::vector<Parts>& answers) const {
-    const HarmonicTransport transport(stack_, channel, resolution);
+    const HarmonicTransport transport(stack_, channel, resolution, &kernels);
     std::optional<HarmonicSolution> solution;
     Direction solved{};
     for (const std::size_t k : order_) {
@@ -226,7 +232,7 @@ class PairRefinement {
   };
   const Stack& stack_;
   HarmonicOptions options_;
-  bool is_bounded_;
+  bool is_bounded_, is_even_ = false;
   std::vector<int> summed_;  // parts of a solution that count beside what is exact
   MirrorPairs mirrors_;
   std::vector<std::pair<Direction, Direction>> pairs_;
