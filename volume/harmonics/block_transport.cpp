@@ -21,7 +21,7 @@ BlockTransport::BlockTransport(const Stack& stack, int channel, const LayerKerne
     : channel_(channel), streams_(stack, channel, resolution.finest, resolution.depth_nodes) {
   for (const LayeredStreams::Part& part : streams_.parts()) {
     resolution.check_stop();
-    kernels_.push_back(kernels.of(*part.layer, part.layer->f0[channel]));
+    kernels_.push_back(kernels.of(part.layer->medium, part.layer->f0[channel]));
     mirrors_.push_back(has_mirror_flakes(part.layer->medium));
   }
 }
