@@ -25,7 +25,7 @@ constexpr std::size_t kFewPairCells = 200, kSampledCells = 8;
 constexpr double kHopeless = 4;
 // Shares of the tolerance for what mirrors scatter twice: of harmonics, which are kept within it,
 // and of its quadrature.
-constexpr double kSecondShare = 0.3, kPairShare = 0.2;
+constexpr double kSecondShare = 0.3, kPairShare = 0.1;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
