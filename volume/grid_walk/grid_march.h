@@ -123,6 +123,14 @@ struct MajorantError : std::runtime_error {
   MajorantError() : std::runtime_error("a density grid's majorant is below its content") {}
 };
 
+/// A shadow ray had no end within what is followed.
+struct EndlessRayError : std::runtime_error {
+  EndlessRayError()
+      : std::runtime_error(
+            "a shadow ray crossed 2^27 cells of a density grid without an end; allowed: directions "
+            "farther from the horizon") {}
+};
+
 /// The tentative collisions of a way through a grid, by delta tracking: each cell's majorant
 /// proposes them, extinction over majorant is the probability of a real one. M: the kind of medium.
 template <class M>
@@ -235,9 +243,7 @@ template <class M>
     }
     remaining = stream.exponential();
   }
-  throw std::runtime_error(
-      "a shadow ray crossed 2^27 cells of a density grid without an end; allowed: directions "
-      "farther from the horizon");
+  throw EndlessRayError();
 }
 
 }  // namespace lamella
