@@ -255,7 +255,11 @@ class GridNextEventScorer {
   void send(const Place& at, Direction w, std::array<double, C> worth, double* sums,
             std::size_t stride, RandomStream& stream) {
     double share = 0;
+    const auto wait = [&](const GridWalkLayer& l, const Place& in) {
+      queue_->push(*l.grid, {in.x, in.y, l.thickness - in.z, w}, worth, sums, stride);
+    };
     if (queue_ && ShadowTables::takes(w)) {
+      if (stack_.layers.size() == 1 && at.layer == 0) return wait(stack_.layers[0], at);
       const GridWalkLayer* crossed = nullptr;
       Place in = at;
       int grids = 0;
@@ -267,9 +271,7 @@ class GridNextEventScorer {
       });
       if (grids == 1 && share > 0) {
         for (double& x : worth) x *= share;
-        queue_->push(*crossed->grid, {in.x, in.y, crossed->thickness - in.z, w}, worth, sums,
-                     stride);
-        return;
+        return wait(*crossed, in);
       }
       if (grids > 1) share = estimated_transmittance(stack_, at, w, stream);
     } else {
@@ -338,8 +340,8 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       if (endless || !std::isfinite(flight.length)) break;  // in a half space: for good
       at.x -= wi.x * flight.length;
       at.y -= wi.y * flight.length;
-      at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
-      at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
+      if (!(at.x >= 0 && at.x < stack.tile_x)) at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
+      if (!(at.y >= 0 && at.y < stack.tile_y)) at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
       if (flight.end == Flight::collided) {
         at.z = std::clamp(at.z + wi.z * flight.length, 0.0, l.thickness);
         break;

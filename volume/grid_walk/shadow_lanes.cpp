@@ -18,6 +18,15 @@ constexpr std::uint32_t kMostBlocks = 1u << 26;
 // Shares below the first are left to chance, see ratio_tracked.
 constexpr float kLittle = 0.1f, kInverseChance = 4;
 
+// What a ray carries from one block of random numbers to the next, one array for each number.
+enum Number { kPlace, kSpeed = 3, kFrom = 6, kScale = 9, kBound, kShare, kLittleShare, kNumbers };
+enum Name { kRay, kOrdinal, kLow, kHigh, kNames };
+struct Rays {
+  // A register may be stored where the last ray begins.
+  float numbers[kNumbers][kShadowRays + kLanes];
+  std::uint32_t names[kNames][kShadowRays + kLanes];
+};
+
 struct Axis {
   Floats place, speed, inverse, end;  // end: of the tile, in voxels
   Words last;                         // the last voxel
@@ -34,31 +43,55 @@ struct Side {
 
 class Packet {
  public:
-  LAMELLA_INLINE Packet(const ShadowTask& t, int first)
+  LAMELLA_INLINE Packet(const ShadowTask& t, const Rays& rays, int first, int count)
       : t_(t),
-        scale_(Floats::load(t.scale + first)),
-        bound_(Floats::load(t.bound + first)),
-        share_(1.0f),
-        little_(kLittle),
-        alive_(first_lanes<float>(t.count - first < kLanes ? t.count - first : kLanes)),
-        too_low_(alive_ ^ alive_) {
+        scale_(Floats::load(rays.numbers[kScale] + first)),
+        bound_(Floats::load(rays.numbers[kBound] + first)),
+        share_(Floats::load(rays.numbers[kShare] + first)),
+        little_(Floats::load(rays.numbers[kLittleShare] + first)),
+        began_(first_lanes<float>(count - first < kLanes ? count - first : kLanes)),
+        alive_(began_),
+        too_low_(began_ ^ began_) {
     for (int a = 0; a < 3; ++a) {
       Axis& x = axis_[a];
-      x.place = Floats::load(t.place[a] + first);
-      // Never level with an axis: a way of 1e12 mm per voxel leaves by another one.
-      const Floats speed = Floats::load(t.speed[a] + first);
-      x.speed = copysign(max(abs(speed), Floats(1e-12f)), speed);
+      x.place = Floats::load(rays.numbers[kPlace + a] + first);
+      x.speed = Floats::load(rays.numbers[kSpeed + a] + first);
       x.inverse = Floats(1) / x.speed;
       x.end = Floats(static_cast<float>(t.voxels[a]));
       x.last = Words(t.voxels[a] - 1);
       x.up = x.speed > Floats(0);
-      from_[a] = Floats::load(t.from[a] + first);
+      from_[a] = Floats::load(rays.numbers[kFrom + a] + first);
     }
+    for (int k = 0; k < kNames; ++k) names_[k] = Words::load(rays.names[k] + first);
   }
 
-  [[nodiscard]] LAMELLA_INLINE bool alive() const { return any(alive_); }
   [[nodiscard]] LAMELLA_INLINE bool too_low() const { return any(too_low_); }
-  LAMELLA_INLINE void store(float* to) const { share_.store(to); }
+  [[nodiscard]] LAMELLA_INLINE Words name(int k) const { return names_[k]; }
+  // The shares of the rays that ended go to `shares`, the others behind the first `count` rays;
+  // returns how many there are then.
+  LAMELLA_INLINE int store(float* shares, Rays& rays, int count) const {
+    const FloatMask ended = without(began_, alive_);
+    std::uint32_t which[kLanes];
+    float share[kLanes];
+    store_compressed(names_[kRay], ended, which);
+    store_compressed(share_, ended, share);
+    const int n = lamella::LAMELLA_ISA::count(ended);
+    for (int k = 0; k < n; ++k) shares[which[k]] = share[k];
+    const auto keep = [&](Floats x, int number) LAMELLA_INLINE_LAMBDA {
+      store_compressed(x, alive_, rays.numbers[number] + count);
+    };
+    for (int a = 0; a < 3; ++a) {
+      keep(axis_[a].place, kPlace + a);
+      keep(axis_[a].speed, kSpeed + a);
+      keep(from_[a], kFrom + a);
+    }
+    keep(scale_, kScale);
+    keep(bound_, kBound);
+    keep(share_, kShare);
+    keep(little_, kLittleShare);
+    for (int k = 0; k < kNames; ++k) store_compressed(names_[k], alive_, rays.names[k] + count);
+    return count + lamella::LAMELLA_ISA::count(alive_);
+  }
 
   // To the next tentative collision or out of the cell; `chance`: two random bits.
   LAMELLA_INLINE void step(Words bits, Words chance) {
@@ -161,27 +194,54 @@ class Packet {
   const ShadowTask& t_;
   Axis axis_[3];
   Floats from_[3], scale_, bound_, share_, little_;
-  FloatMask alive_, too_low_;
+  Words names_[kNames];
+  FloatMask began_, alive_, too_low_;
 };
+
+void begin(const ShadowTask& t, Rays& rays) {
+  for (int first = 0; first < t.count; first += kLanes) {
+    const auto put = [&](Floats x, int number) LAMELLA_INLINE_LAMBDA {
+      x.store(rays.numbers[number] + first);
+    };
+    for (int a = 0; a < 3; ++a) {
+      put(Floats::load(t.place[a] + first), kPlace + a);
+      // Never level with an axis: a way of 1e12 mm per voxel leaves by another one.
+      const Floats speed = Floats::load(t.speed[a] + first);
+      put(copysign(max(abs(speed), Floats(1e-12f)), speed), kSpeed + a);
+      put(Floats::load(t.from[a] + first), kFrom + a);
+    }
+    put(Floats::load(t.scale + first), kScale);
+    put(Floats::load(t.bound + first), kBound);
+    put(Floats(1), kShare);
+    put(Floats(kLittle), kLittleShare);
+    (Words::iota() + Words(static_cast<std::uint32_t>(first))).store(rays.names[kRay] + first);
+    Words::load(t.ordinal + first).store(rays.names[kOrdinal] + first);
+    Words::load(t.walk_low + first).store(rays.names[kLow] + first);
+    Words::load(t.walk_high + first).store(rays.names[kHigh] + first);
+  }
+}
 
 }  // namespace
 
+// Rays take three steps by each block of random numbers; those that go on are moved together then.
 ShadowEnd follow_shadow_rays(const ShadowTask& t) {
-  for (int first = 0; first < t.count; first += kLanes) {
-    Packet packet(t, first);
-    const Words ordinal = Words::load(t.ordinal + first), low = Words::load(t.walk_low + first),
-                high = Words::load(t.walk_high + first);
-    for (std::uint32_t block = 0; packet.alive(); ++block) {
-      if (block == kMostBlocks) return ShadowEnd::endless;
-      const WordBlock r = philox(Words(block), ordinal, low, high, t.key_low, t.key_high);
+  Rays rays;
+  begin(t, rays);
+  int count = t.count;
+  for (std::uint32_t block = 0; count > 0; ++block) {
+    if (block == kMostBlocks) return ShadowEnd::endless;
+    int left = 0;
+    for (int first = 0; first < count; first += kLanes) {
+      Packet packet(t, rays, first, count);
+      const WordBlock r = philox(Words(block), packet.name(kOrdinal), packet.name(kLow),
+                                 packet.name(kHigh), t.key_low, t.key_high);
       packet.step(r.w[0], r.w[3]);
-      if (!packet.alive()) break;
       packet.step(r.w[1], shift_right<8>(r.w[3]));
-      if (!packet.alive()) break;
       packet.step(r.w[2], shift_right<16>(r.w[3]));
+      if (packet.too_low()) return ShadowEnd::majorant_too_low;
+      left = packet.store(t.share, rays, left);
     }
-    if (packet.too_low()) return ShadowEnd::majorant_too_low;
-    packet.store(t.share + first);
+    count = left;
   }
   return ShadowEnd::done;
 }

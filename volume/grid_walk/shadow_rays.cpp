@@ -37,27 +37,23 @@ const GridRayTable& ShadowTables::of(const DensityGrid& grid) const {
 template <int C>
 void ShadowQueue<C>::push(const DensityGrid& grid, const ShadowRay& ray,
                           const std::array<double, C>& worth, double* sums, std::size_t stride) {
-  if (count_ == kShadowRays || (count_ > 0 && (grid_ != &grid || stride_ != stride))) flush();
-  grid_ = &grid;
-  stride_ = stride;
-  const VoxelIndex n = grid.extent().voxels;
-  const Direction h = grid.voxel_size();
-  const double place[3] = {ray.x / h.x, ray.y / h.y, ray.height / h.z};
-  const double speed[3] = {-ray.w.x / h.x, -ray.w.y / h.y, -ray.w.z / h.z};
+  if (count_ == kShadowRays || grid_ != &grid || stride_ != stride) {
+    flush();
+    begin(grid, stride);
+  }
+  const double place[3] = {ray.x * per_mm_[0], ray.y * per_mm_[1], ray.height * per_mm_[2]};
   const double from[3] = {ray.w.x, ray.w.y, ray.w.z};
   const int k = count_++;
   for (int a = 0; a < 3; ++a) {
     // Within the tile, and below its end in float as well.
-    double x = a < 2 ? place[a] - n[a] * std::floor(place[a] / n[a]) : place[a];
-    x = std::min(std::max(x, 0.0), n[a] * (1 - 0x1p-23));
-    place_[a][k] = static_cast<float>(x);
-    speed_[a][k] = static_cast<float>(speed[a]);
+    const double x = a < 2 ? wrapped(place[a], table_->voxels[a]) : place[a];
+    place_[a][k] = static_cast<float>(std::min(std::max(x, 0.0), largest_[a]));
+    speed_[a][k] = static_cast<float>(-from[a] * per_mm_[a]);
     from_[a][k] = static_cast<float>(from[a]);
   }
-  const GridRayTable& table = tables_.of(grid);
-  const double sigma =
-      table.turned ? table.largest_sigma : lamella::sigma(grid.palette()[0], ray.w);
-  scale_[k] = static_cast<float>(grid.layer_density() * (table.turned ? 1 : sigma));
+  const bool turned = table_->turned;
+  const double sigma = turned ? table_->largest_sigma : lamella::sigma(grid.palette()[0], ray.w);
+  scale_[k] = static_cast<float>(grid.layer_density() * (turned ? 1 : sigma));
   bound_[k] = static_cast<float>(grid.layer_density() * sigma * kMargin);
   names_[k] = static_cast<std::uint32_t>(StreamPurpose::shadow) | ordinal_++ << kPurposeBits;
   low_[k] = static_cast<std::uint32_t>(index_);
@@ -67,9 +63,19 @@ void ShadowQueue<C>::push(const DensityGrid& grid, const ShadowRay& ray,
 }
 
 template <int C>
+void ShadowQueue<C>::begin(const DensityGrid& grid, std::size_t stride) {
+  grid_ = &grid;
+  table_ = &tables_.of(grid);
+  stride_ = stride;
+  const Direction h = grid.voxel_size();
+  per_mm_ = {1 / h.x, 1 / h.y, 1 / h.z};
+  for (int a = 0; a < 3; ++a) largest_[a] = table_->voxels[a] * (1 - 0x1p-23);
+}
+
+template <int C>
 void ShadowQueue<C>::flush() {
   if (count_ == 0) return;
-  const GridRayTable& table = tables_.of(*grid_);
+  const GridRayTable& table = *table_;
   ShadowTask task;
   task.block_entries = table.block_entries.data();
   task.records = table.records.data();

@@ -57,17 +57,22 @@ class ShadowQueue {
   using Floats = std::array<float, kShadowRays>;
   using Words = std::array<std::uint32_t, kShadowRays>;
 
+  // The rays that wait from here on.
+  void begin(const DensityGrid& grid, std::size_t stride);
+
   const ShadowTables& tables_;
   std::uint64_t seed_, index_ = 0;
   std::uint32_t ordinal_ = 0;
   const DensityGrid* grid_ = nullptr;  // of those that wait
+  const GridRayTable* table_ = nullptr;
+  std::size_t stride_ = 0;
+  std::array<double, 3> per_mm_{}, largest_{};  // voxels; the last place in float
   int count_ = 0;
   std::array<Floats, 3> place_{}, speed_{}, from_{};
   Floats scale_{}, bound_{}, share_{};
   Words names_{}, low_{}, high_{};
   std::array<std::array<double, C>, kShadowRays> worth_{};
   std::array<double*, kShadowRays> sums_{};
-  std::size_t stride_ = 0;
 };
 
 }  // namespace lamella
