@@ -106,7 +106,7 @@ double estimated_transmittance(const GridWalkStack& stack, const Place& at, Dire
   });
 }
 
-// An event in the frame of a voxel's flakes.
+// An event, or its lobe, in the frame of a voxel's flakes.
 template <class Event>
 struct TurnedEvent {
   Event event;
@@ -114,6 +114,10 @@ struct TurnedEvent {
 
   [[nodiscard]] PhaseValue density(Direction wo) const {
     return event.density(frame ? frame->to_local(wo) : wo);
+  }
+  // For many directions.
+  [[nodiscard]] auto lobe() const {
+    return TurnedEvent<std::remove_cvref_t<decltype(lobe_of(event))>>{lobe_of(event), frame};
   }
   [[nodiscard]] Scatter sample(RandomStream& stream) const {
     Scatter s = event.sample(stream);
@@ -200,8 +204,9 @@ class GridNextEventScorer {
   void event(const Place& at, const Event& event, const std::array<double, C>& weight,
              const GridWalkLayer* layer, const std::array<double, C>& albedo, std::uint64_t order,
              RandomStream& stream) {
+    const auto& lobe = lobe_of(event);
     const auto score = [&](int target, int count, Direction wo, double factor) {
-      const PhaseValue p = event.density(wo);
+      const PhaseValue p = lobe.density(wo);
       if (!(p.density > 0)) {
         finite_ = finite_ && p.density == 0;
         return;
