@@ -4,6 +4,7 @@
 
 #include "compare/bench/benchmark.h"
 #include "compare/request/stopwatch.h"
+#include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
 #include "volume/voxels/density_grid.h"
 
@@ -220,6 +221,65 @@ void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uin
   report(std::move(row));
 }
 
+// Variance per walk of f summed over orders, and over targets.
+double variance_of_targets(const Simulation& simulation) {
+  const std::size_t count = simulation.batches()[0].f.size() / kTallyOrders;
+  double sum = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+      double f = 0;
+      for (int o = 0; o < kTallyOrders; ++o) f += b.f[o * count + j];
+      return f;
+    });
+    sum += variance_per_walk(e, simulation.walks());
+  }
+  return sum;
+}
+
+// Next-event estimation with shadow rays on lanes against the same in double, and against counted
+// walks: time x variance of all orders.
+void measure_shadow_rays(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
+                         const ReportRow& report) {
+  const Stack stack = load_stack(name);
+  const Plan scalar = make_plan(stack);
+  Plan lanes = scalar;
+  lanes.isa = effort.isa == Isa::scalar ? isa_from_text("auto") : effort.isa;
+  const CellGrid grid{16, 32, false};
+  const Direction wi = benchmark_incident();
+  const auto cells = [&](const Plan& plan, Estimator estimator, std::uint64_t s) {
+    return std::make_unique<Simulation>(stack, plan, wi, estimator, grid, s);
+  };
+  const auto points = [&](const Plan& plan, int count, std::uint64_t s) {
+    return std::make_unique<Simulation>(stack, plan, wi, benchmark_points(count), s);
+  };
+  const auto compare = [&](const std::string& task, const char* baseline, auto ours, auto theirs,
+                           std::uint64_t their_share) {
+    const std::uint64_t walks = walks_for(effort.repetition_seconds, *ours);
+    const std::uint64_t before = ours->collisions();
+    const InterleavedTimes times = interleave(
+        effort.repetitions, [&] { ours->advance(ours->walks() + walks); },
+        [&] { theirs->advance(theirs->walks() + walks * their_share); });
+    const double variance_ratio = variance_of_targets(*theirs) / variance_of_targets(*ours);
+    BenchmarkRow row{.what = std::string("grid_") + name + "/" + task, .kind = "walk"};
+    row.seconds = times.total_first();
+    row.collisions_per_second_per_core =
+        static_cast<double>(ours->collisions() - before) / times.total_first();
+    row.baseline = baseline;
+    row.ratio_to_baseline =
+        times.median_ratio() / static_cast<double>(their_share) * variance_ratio;
+    row.extra = {
+        {"walks", ours->walks()}, {"isa", to_text(lanes.isa)}, {"variance_ratio", variance_ratio}};
+    report(std::move(row));
+  };
+  for (const int count : {1, 16})
+    compare("nee" + std::to_string(count) + ", lanes", "shadow rays in double",
+            points(lanes, count, seed), points(scalar, count, seed + 1), 1);
+  compare("nee cells, lanes", "shadow rays in double", cells(lanes, Estimator::next_event, seed),
+          cells(scalar, Estimator::next_event, seed + 1), 1);
+  compare("nee cells, lanes, against counted", "walks counted in cells",
+          cells(lanes, Estimator::next_event, seed), cells(scalar, Estimator::analog, seed + 1), 8);
+}
+
 }  // namespace
 
 void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
@@ -227,6 +287,8 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
   for (const GridCase& which :
        {GridCase{"sparse", 40, balls()}, GridCase{"dense", 4, everywhere()}})
     one.execute([&] { measure_grid(which, effort, seed, report); });
+  for (const char* name : {"woven_cloth", "settled_dust", "blotchy_layer"})
+    one.execute([&] { measure_shadow_rays(name, effort, seed, report); });
 }
 
 }  // namespace lamella

@@ -189,8 +189,8 @@ class GridNextEventScorer {
     const double u_mu = stream.uniform(), u_phi = stream.uniform();
     const CellGrid& grid = cells_->grid;
     for (std::size_t k = 0; k < columns_.size(); ++k) {
-      const double phi = cells_->incident_azimuth +
-                         2 * kPi * (static_cast<double>(k) + u_phi) / grid.phi_cells;
+      const double phi =
+          cells_->incident_azimuth + 2 * kPi * (static_cast<double>(k) + u_phi) / grid.phi_cells;
       columns_[k] = {std::cos(phi), std::sin(phi), 0};
     }
     for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -345,8 +345,10 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       if (endless || !std::isfinite(flight.length)) break;  // in a half space: for good
       at.x -= wi.x * flight.length;
       at.y -= wi.y * flight.length;
-      if (!(at.x >= 0 && at.x < stack.tile_x)) at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
-      if (!(at.y >= 0 && at.y < stack.tile_y)) at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
+      if (!(at.x >= 0 && at.x < stack.tile_x))
+        at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
+      if (!(at.y >= 0 && at.y < stack.tile_y))
+        at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
       if (flight.end == Flight::collided) {
         at.z = std::clamp(at.z + wi.z * flight.length, 0.0, l.thickness);
         break;
@@ -475,10 +477,8 @@ RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident, s
     for (const Direction& wo : *points) check_beside_grids("w_o", wo);
   const auto walked = std::make_shared<const GridWalkStack>(stack, plan);
   return plan.channels == 1
-             ? runner_of<1>(walked, incident, seed, estimator, targets, points, plan.isa,
-                          batches)
-             : runner_of<3>(walked, incident, seed, estimator, targets, points, plan.isa,
-                          batches);
+             ? runner_of<1>(walked, incident, seed, estimator, targets, points, plan.isa, batches)
+             : runner_of<3>(walked, incident, seed, estimator, targets, points, plan.isa, batches);
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): std::function owns the runner
 
 }  // namespace lamella

@@ -95,8 +95,8 @@ class Packet {
 
   // To the next tentative collision or out of the cell; `chance`: two random bits.
   LAMELLA_INLINE void step(Words bits, Words chance) {
-    const Words block = block_of(shift_right<3>(voxel(0)), shift_right<3>(voxel(1)),
-                                 shift_right<3>(voxel(2)));
+    const Words block =
+        block_of(shift_right<3>(voxel(0)), shift_right<3>(voxel(1)), shift_right<3>(voxel(2)));
     const auto cell = gather_pair(t_.block_entries, block);
     const Words edge = bits_of(cell.second);
     Side side[3];
@@ -137,8 +137,7 @@ class Packet {
   // Along an axis, within the cell; a cell as wide as the tile is entered again.
   LAMELLA_INLINE void go_on(int a, const Side& s, Floats way) {
     Floats to = multiply_add(way, axis_[a].speed, axis_[a].place);
-    if (a < 2)
-      to = select(s.spans, to - axis_[a].end * floor(to * reciprocal(axis_[a].end)), to);
+    if (a < 2) to = select(s.spans, to - axis_[a].end * floor(to * reciprocal(axis_[a].end)), to);
     axis_[a].place = max(s.low, min(to, s.high * Floats(kJustBelow)));
   }
   LAMELLA_INLINE void collide(FloatMask collides, const Side (&side)[3], Floats majorant,
@@ -146,19 +145,19 @@ class Packet {
     Words at[3];
     for (int a = 0; a < 3; ++a)
       at[a] = hn::Min(to_words(axis_[a].place).v, (side[a].high_voxel - Words(1u)).v);
-    const Words block = block_of(shift_right<3>(at[0]), shift_right<3>(at[1]),
-                                 shift_right<3>(at[2]));
+    const Words block =
+        block_of(shift_right<3>(at[0]), shift_right<3>(at[1]), shift_right<3>(at[2]));
     const auto content = gather_pair(t_.block_entries + 2, block);
     const Words seven(7u);
-    const Words local = shift_left<6>(at[2] & seven) + shift_left<3>(at[1] & seven) +
-                        (at[0] & seven);
+    const Words local =
+        shift_left<6>(at[2] & seven) + shift_left<3>(at[1] & seven) + (at[0] & seven);
     const Words record = bits_of(content.first) + (local & bits_of(content.second));
     Floats extinction;
     if (t_.turned) {
       const Words place = shift_left<2>(record);
       const auto p = gather_pair(t_.records, place), q = gather_pair(t_.records + 2, place);
-      const Floats c = multiply_add(
-          p.second, from_[0], multiply_add(q.first, from_[1], q.second * from_[2]));
+      const Floats c =
+          multiply_add(p.second, from_[0], multiply_add(q.first, from_[1], q.second * from_[2]));
       extinction = scale_ * sqrt(nonnegative(multiply_add(Floats(t_.sign) * c, c, p.first)));
     } else {
       extinction = scale_ * gather(t_.records, record);
@@ -181,7 +180,8 @@ class Packet {
       Axis& x = axis_[a];
       const FloatMask here = rest & (side[a].exit <= exit);
       rest = without(rest, here);
-      const FloatMask at_top = equal(side[a].high, x.end), at_bottom = equal(side[a].low, Floats(0));
+      const FloatMask at_top = equal(side[a].high, x.end),
+                      at_bottom = equal(side[a].low, Floats(0));
       if (a == 2) {
         alive_ = without(alive_, here & ((x.up & at_top) | without(at_bottom, x.up)));
       }
@@ -200,9 +200,8 @@ class Packet {
 
 void begin(const ShadowTask& t, Rays& rays) {
   for (int first = 0; first < t.count; first += kLanes) {
-    const auto put = [&](Floats x, int number) LAMELLA_INLINE_LAMBDA {
-      x.store(rays.numbers[number] + first);
-    };
+    const auto put = [&](Floats x, int number)
+                         LAMELLA_INLINE_LAMBDA { x.store(rays.numbers[number] + first); };
     for (int a = 0; a < 3; ++a) {
       put(Floats::load(t.place[a] + first), kPlace + a);
       // Never level with an axis: a way of 1e12 mm per voxel leaves by another one.

@@ -98,9 +98,12 @@ void ShadowQueue<C>::flush() {
   task.count = count_;
   task.share = share_.data();
   switch (tables_.follow(task)) {
-    case ShadowEnd::done: break;
-    case ShadowEnd::majorant_too_low: throw MajorantError();
-    case ShadowEnd::endless: throw EndlessRayError();
+    case ShadowEnd::done:
+      break;
+    case ShadowEnd::majorant_too_low:
+      throw MajorantError();
+    case ShadowEnd::endless:
+      throw EndlessRayError();
   }
   for (int k = 0; k < count_; ++k)
     for (int c = 0; c < C; ++c) sums_[k][c * stride_] += worth_[k][c] * share_[k];

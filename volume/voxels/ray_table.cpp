@@ -44,8 +44,8 @@ class Records {
     const int k = grid_.palette_index(i);
     const double factor = rho * std::sqrt(std::abs(difference_[k]));
     const Direction axis = grid_.axis(i);
-    for (const double x : {rho * rho * across2_[k], factor * axis.x, factor * axis.y,
-                           factor * axis.z})
+    for (const double x :
+         {rho * rho * across2_[k], factor * axis.x, factor * axis.y, factor * axis.z})
       to.push_back(static_cast<float>(x));
   }
 
