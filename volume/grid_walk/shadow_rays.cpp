@@ -21,7 +21,7 @@ ShadowTables::ShadowTables(Isa isa, const std::vector<std::shared_ptr<const Dens
   if (!follow) return;
   for (const auto& grid : grids) {
     if (!grid) continue;
-    auto table = grid->ray_table();
+    auto table = make_ray_table(*grid);
     if (!table) return;
     tables_.emplace_back(grid.get(), std::move(table));
   }

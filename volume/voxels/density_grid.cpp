@@ -9,7 +9,6 @@
 
 #include "phase/medium/media.h"
 #include "volume/voxels/grid_generators.h"
-#include "volume/voxels/ray_table.h"
 #include "volume/voxels/vdb_file.h"
 
 namespace lamella {
@@ -157,11 +156,6 @@ void DensityGrid::make_palette(const Layer& layer) {
   largest_along_axis_ = lamella::sigma(medium, {0, 0, 1}) >= lamella::sigma(medium, {1, 0, 0});
   // vMF's sigma is not monotone in the roughness; it never exceeds 1.
   if (one_sided && has_roughness()) bound_everywhere_ = 1;
-}
-
-const std::shared_ptr<const GridRayTable>& DensityGrid::ray_table() const {
-  std::call_once(ray_table_is_made_, [this] { ray_table_ = make_ray_table(*this); });
-  return ray_table_;
 }
 
 DensityGrid::CellCount DensityGrid::count_cells() const {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -13,8 +12,6 @@
 #include "volume/voxels/voxels.h"
 
 namespace lamella {
-
-struct GridRayTable;
 
 /// A layer's density grid, ready for walks: voxels, the media in them, and upper bounds of the
 /// extinction. Position in voxels: x, y in [0, n), periodic; z in [0, n), upwards. The extinction
@@ -84,9 +81,6 @@ class DensityGrid {
     return sigma_of_cosine(medium, extreme_cosine(c, cone)) * (1 + 1e-6);
   }
 
-  /// The grid in the numbers of lanes, made by the first call; nullptr where there is none for it.
-  [[nodiscard]] const std::shared_ptr<const GridRayTable>& ray_table() const;
-
   /// Statistics of the cells, for `lamella explain` and the bench.
   struct CellCount {
     std::size_t blocks = 0, cells = 0, empty_blocks = 0;
@@ -131,8 +125,6 @@ class DensityGrid {
   double bound_everywhere_ = 0;  // a bound of sigma for every direction, if it is the best there is
   std::vector<MajorantCell> cells_;  // per block
   std::vector<AxisCone> cones_;
-  mutable std::once_flag ray_table_is_made_;
-  mutable std::shared_ptr<const GridRayTable> ray_table_;
 };
 
 /// The grids of a stack, one per layer, nullptr where there is none: read from their files or
