@@ -162,6 +162,38 @@ TEST(ShadowRays, SumsDoNotDependOnCheckpoints) {
   }
 }
 
+TEST(ShadowRays, CrossHomogeneousLayersAndSecondGridsOnTheirWayOut) {
+  const std::string spheres = "medium = 'lambert_sphere'\nthickness = 0.4\ndensity = 2";
+  const std::string clear = testing::layer("medium = 'henyey_greenstein'\nthickness = 0.3");
+  const auto voxels =
+      testing::shared_voxels_of({16, 16, 8}, [](VoxelIndex i) { return 2 * scrambled(i); });
+  for (const std::string& text :
+       {clear + grid_layer(spheres) + clear, grid_layer(spheres) + clear + grid_layer(spheres)}) {
+    const Stack stack = stack_from(text);
+    Plan plan = plan_with(stack, {voxels, voxels});
+    // One way near the horizon, which lanes leave to double.
+    const std::vector<Direction> points{direction_from_degrees(20, 40),
+                                        direction_from_degrees(89.97, 200),
+                                        direction_from_degrees(130, 10)};
+    const auto value = [&](Isa isa, int point, std::uint64_t seed) {
+      plan.isa = isa;
+      Simulation simulation(stack, plan, direction_from_degrees(40, 0), points, seed);
+      simulation.advance(testing::soaked(20000));
+      return batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+        double f = 0;
+        for (int o = 0; o < kTallyOrders; ++o) f += b.f[o * points.size() + point];
+        return f;
+      });
+    };
+    for (int point = 0; point < 3; ++point) {
+      const Estimate scalar = value(Isa::scalar, point, 1);
+      for (const Isa isa : lane_isas())
+        EXPECT_LT(std::abs(testing::z_between(value(isa, point, 2), scalar)), allowed_z())
+            << to_text(isa) << ' ' << point;
+    }
+  }
+}
+
 TEST(ShadowRays, AreScalarWhereLanesHaveNoTable) {
   const auto grids_of = [](const std::string& medium, bool turned) {
     const Stack stack = stack_from(grid_layer(medium + "\nroughness = 0.5\nthickness = 1"));
