@@ -6,6 +6,7 @@
 #include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
+#include "volume/grid_walk/grid_march.h"
 #include "volume/voxels/density_grid.h"
 
 namespace lamella {
@@ -236,6 +237,44 @@ double variance_of_targets(const Simulation& simulation) {
   return sum;
 }
 
+// The part of the mean square of a shadow ray's transmittance that its own chance is, over places
+// and directions: what an exact transmittance would save.
+void measure_ray_variance(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
+                          const ReportRow& report) {
+  const Stack stack = load_stack(name);
+  const Plan plan = make_plan(stack);
+  const DensityGrid& grid = *plan.grids[0];
+  const GridReference& tile = *stack.layers[0].grid;
+  constexpr int kTimes = 8;
+  const int places = effort.repetitions > 3 ? 20000 : 500;
+  RandomStream stream(seed, 0, StreamPurpose::test);
+  double own = 0, square = 0;
+  const double seconds = seconds_of([&] {
+    for (int k = 0; k < places; ++k) {
+      const double x = tile.size_x * stream.uniform(), y = tile.size_y * stream.uniform();
+      const double height = stack.layers[0].thickness * stream.uniform();
+      const double u1 = stream.uniform(), u2 = stream.uniform();
+      const Direction w = uniform_sphere(u1, u2);
+      double sum = 0, sum2 = 0;
+      for (int i = 0; i < kTimes; ++i) {
+        const double share = std::visit(
+            [&]<class M>(const M&) { return ratio_tracked<M>(grid, x, y, height, w, stream); },
+            grid.palette()[0]);
+        sum += share;
+        sum2 += share * share;
+      }
+      own += (sum2 - sum * sum / kTimes) / (kTimes - 1);
+      square += sum2 / kTimes;
+    }
+  });
+  BenchmarkRow row{.what = std::string("grid_") + name + "/shadow ray in double", .kind = "walk"};
+  row.seconds = seconds;
+  row.ns_per_eval = 1e9 * seconds / (places * kTimes);
+  row.baseline = "the mean square of an exact transmittance";
+  row.ratio_to_baseline = (square - own) / square;
+  report(std::move(row));
+}
+
 // Next-event estimation with shadow rays on lanes against the same in double, and against counted
 // walks: time x variance of all orders.
 void measure_shadow_rays(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
@@ -288,7 +327,10 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
        {GridCase{"sparse", 40, balls()}, GridCase{"dense", 4, everywhere()}})
     one.execute([&] { measure_grid(which, effort, seed, report); });
   for (const char* name : {"woven_cloth", "settled_dust", "blotchy_layer"})
-    one.execute([&] { measure_shadow_rays(name, effort, seed, report); });
+    one.execute([&] {
+      measure_ray_variance(name, effort, seed, report);
+      measure_shadow_rays(name, effort, seed, report);
+    });
 }
 
 }  // namespace lamella
