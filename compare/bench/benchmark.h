@@ -133,7 +133,8 @@ void measure_growth_of_walks(const BenchmarkEffort& effort, std::uint64_t seed,
                              const ReportRow& report);
 
 /// Walks through a sparse and a dense density grid, against one majorant, a majorant per block, and
-/// fixed steps: time x variance, one thread.
+/// fixed steps; next-event estimation in the built-in stacks with grids, its shadow rays on lanes,
+/// against rays in double and against counted walks: time x variance, one thread.
 void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
 /// Rays per second among explicit grains, nearest hit and shadow; building a scene of 10^6 spheres

@@ -4,7 +4,9 @@
 
 #include "compare/bench/benchmark.h"
 #include "compare/request/stopwatch.h"
+#include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
+#include "volume/grid_walk/grid_march.h"
 #include "volume/voxels/density_grid.h"
 
 namespace lamella {
@@ -220,6 +222,103 @@ void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uin
   report(std::move(row));
 }
 
+// Variance per walk of f summed over orders, and over targets.
+double variance_of_targets(const Simulation& simulation) {
+  const std::size_t count = simulation.batches()[0].f.size() / kTallyOrders;
+  double sum = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
+      double f = 0;
+      for (int o = 0; o < kTallyOrders; ++o) f += b.f[o * count + j];
+      return f;
+    });
+    sum += variance_per_walk(e, simulation.walks());
+  }
+  return sum;
+}
+
+// The part of the mean square of a shadow ray's transmittance that its own chance is, over places
+// and directions: what an exact transmittance would save.
+void measure_ray_variance(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
+                          const ReportRow& report) {
+  const Stack stack = load_stack(name);
+  const Plan plan = make_plan(stack);
+  const DensityGrid& grid = *plan.grids[0];
+  const GridReference& tile = *stack.layers[0].grid;
+  constexpr int kTimes = 8;
+  const int places = effort.repetitions > 3 ? 20000 : 500;
+  RandomStream stream(seed, 0, StreamPurpose::test);
+  double own = 0, square = 0;
+  const double seconds = seconds_of([&] {
+    for (int k = 0; k < places; ++k) {
+      const double x = tile.size_x * stream.uniform(), y = tile.size_y * stream.uniform();
+      const double height = stack.layers[0].thickness * stream.uniform();
+      const double u1 = stream.uniform(), u2 = stream.uniform();
+      const Direction w = uniform_sphere(u1, u2);
+      double sum = 0, sum2 = 0;
+      for (int i = 0; i < kTimes; ++i) {
+        const double share = std::visit(
+            [&]<class M>(const M&) { return ratio_tracked<M>(grid, x, y, height, w, stream); },
+            grid.palette()[0]);
+        sum += share;
+        sum2 += share * share;
+      }
+      own += (sum2 - sum * sum / kTimes) / (kTimes - 1);
+      square += sum2 / kTimes;
+    }
+  });
+  BenchmarkRow row{.what = std::string("grid_") + name + "/shadow ray in double", .kind = "walk"};
+  row.seconds = seconds;
+  row.ns_per_eval = 1e9 * seconds / (places * kTimes);
+  row.baseline = "the mean square of an exact transmittance";
+  row.ratio_to_baseline = (square - own) / square;
+  report(std::move(row));
+}
+
+// Next-event estimation with shadow rays on lanes against the same in double, and against counted
+// walks: time x variance of all orders.
+void measure_shadow_rays(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
+                         const ReportRow& report) {
+  const Stack stack = load_stack(name);
+  const Plan scalar = make_plan(stack);
+  Plan lanes = scalar;
+  lanes.isa = effort.isa == Isa::scalar ? isa_from_text("auto") : effort.isa;
+  const CellGrid grid{16, 32, false};
+  const Direction wi = benchmark_incident();
+  const auto cells = [&](const Plan& plan, Estimator estimator, std::uint64_t s) {
+    return std::make_unique<Simulation>(stack, plan, wi, estimator, grid, s);
+  };
+  const auto points = [&](const Plan& plan, int count, std::uint64_t s) {
+    return std::make_unique<Simulation>(stack, plan, wi, benchmark_points(count), s);
+  };
+  const auto compare = [&](const std::string& task, const char* baseline, auto ours, auto theirs,
+                           std::uint64_t their_share) {
+    const std::uint64_t walks = walks_for(effort.repetition_seconds, *ours);
+    const std::uint64_t before = ours->collisions();
+    const InterleavedTimes times = interleave(
+        effort.repetitions, [&] { ours->advance(ours->walks() + walks); },
+        [&] { theirs->advance(theirs->walks() + walks * their_share); });
+    const double variance_ratio = variance_of_targets(*theirs) / variance_of_targets(*ours);
+    BenchmarkRow row{.what = std::string("grid_") + name + "/" + task, .kind = "walk"};
+    row.seconds = times.total_first();
+    row.collisions_per_second_per_core =
+        static_cast<double>(ours->collisions() - before) / times.total_first();
+    row.baseline = baseline;
+    row.ratio_to_baseline =
+        times.median_ratio() / static_cast<double>(their_share) * variance_ratio;
+    row.extra = {
+        {"walks", ours->walks()}, {"isa", to_text(lanes.isa)}, {"variance_ratio", variance_ratio}};
+    report(std::move(row));
+  };
+  for (const int count : {1, 16})
+    compare("nee" + std::to_string(count) + ", lanes", "shadow rays in double",
+            points(lanes, count, seed), points(scalar, count, seed + 1), 1);
+  compare("nee cells, lanes", "shadow rays in double", cells(lanes, Estimator::next_event, seed),
+          cells(scalar, Estimator::next_event, seed + 1), 1);
+  compare("nee cells, lanes, against counted", "walks counted in cells",
+          cells(lanes, Estimator::next_event, seed), cells(scalar, Estimator::analog, seed + 1), 8);
+}
+
 }  // namespace
 
 void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report) {
@@ -227,6 +326,11 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
   for (const GridCase& which :
        {GridCase{"sparse", 40, balls()}, GridCase{"dense", 4, everywhere()}})
     one.execute([&] { measure_grid(which, effort, seed, report); });
+  for (const char* name : {"woven_cloth", "settled_dust", "blotchy_layer"})
+    one.execute([&] {
+      measure_ray_variance(name, effort, seed, report);
+      measure_shadow_rays(name, effort, seed, report);
+    });
 }
 
 }  // namespace lamella

@@ -17,7 +17,8 @@ enum class StreamPurpose : std::uint32_t {
   model = 3,
   geometry = 4,
   measure = 5,
-  ways = 6
+  ways = 6,
+  shadow = 7  // and, in the bits above, which of the walk's shadow rays
 };
 
 /// Counter-based random numbers: (seed, index, purpose, position) -> number, so that a walk has the

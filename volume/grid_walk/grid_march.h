@@ -8,6 +8,11 @@
 
 namespace lamella {
 
+/// x modulo the period n, in [0, n] up to rounding. Nearly always there already.
+[[nodiscard]] inline double wrapped(double x, int n) {
+  return x >= 0 && x <= n ? x : x - n * std::floor(x / n);
+}
+
 /// A straight way through a density grid, one cell of constant majorant after another: a digital
 /// differential analyser whose cells are as large as their content allows, so that empty space is
 /// crossed in few steps. Lengths in mm from the start. The grid repeats in x and y.
@@ -24,7 +29,7 @@ class GridMarch {
     rate_[2] = d.z / h.z;
     for (int a = 0; a < 3; ++a) {
       inverse_[a] = rate_[a] != 0 ? 1 / rate_[a] : std::numeric_limits<double>::infinity();
-      place_[a] = a < 2 ? place[a] - n[a] * std::floor(place[a] / n[a]) : place[a];
+      place_[a] = a < 2 ? wrapped(place[a], n[a]) : place[a];
       voxel_[a] = std::min(std::max(static_cast<int>(place_[a]), 0), n[a] - 1);
     }
     enter();
@@ -43,7 +48,7 @@ class GridMarch {
     VoxelIndex i;
     for (int a = 0; a < 3; ++a) {
       double x = place_[a] + s * rate_[a];
-      if (spans_[a]) x -= high_[a] * std::floor(x / high_[a]);
+      if (spans_[a]) x = wrapped(x, high_[a]);
       i[a] = std::min(std::max(static_cast<int>(x), low_[a]), high_[a] - 1);
     }
     return i;
@@ -57,7 +62,7 @@ class GridMarch {
     for (int a = 0; a < 3; ++a) {
       if (a == exit_axis_) continue;
       place_[a] += length_ * rate_[a];
-      if (spans_[a]) place_[a] -= n[a] * std::floor(place_[a] / n[a]);
+      if (spans_[a]) place_[a] = wrapped(place_[a], n[a]);
       voxel_[a] = std::min(std::max(static_cast<int>(place_[a]), low_[a]), high_[a] - 1);
     }
     const int a = exit_axis_;
@@ -121,6 +126,14 @@ struct GridFlight {
 /// A voxel met more extinction than its cell's majorant: a defect.
 struct MajorantError : std::runtime_error {
   MajorantError() : std::runtime_error("a density grid's majorant is below its content") {}
+};
+
+/// A shadow ray had no end within what is followed.
+struct EndlessRayError : std::runtime_error {
+  EndlessRayError()
+      : std::runtime_error(
+            "a shadow ray crossed 2^27 cells of a density grid without an end; allowed: directions "
+            "farther from the horizon") {}
 };
 
 /// The tentative collisions of a way through a grid, by delta tracking: each cell's majorant
@@ -235,9 +248,7 @@ template <class M>
     }
     remaining = stream.exponential();
   }
-  throw std::runtime_error(
-      "a shadow ray crossed 2^27 cells of a density grid without an end; allowed: directions "
-      "farther from the horizon");
+  throw EndlessRayError();
 }
 
 }  // namespace lamella

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "volume/grid_walk/grid_march.h"
+#include "volume/grid_walk/shadow_rays.h"
 #include "volume/walk/path_weight.h"
 #include "volume/walk/walk.h"
 
@@ -66,8 +67,10 @@ struct Place {
   double x, y, z;
 };
 
-// The share of light from w that reaches the stack's surface from a place, estimated.
-double transmittance(const GridWalkStack& stack, Place at, Direction w, RandomStream& stream) {
+// The share of light from w that reaches the stack's surface from a place, the product of that of
+// homogeneous layers and of in_grid(layer, place in it) for every layer with a grid.
+template <class InGrid>
+double transmittance(const GridWalkStack& stack, Place at, Direction w, const InGrid& in_grid) {
   // w points back to where the light comes from, so that it travels along -w.
   const bool down = w.z > 0;
   const int last = static_cast<int>(stack.layers.size()) - 1;
@@ -76,11 +79,7 @@ double transmittance(const GridWalkStack& stack, Place at, Direction w, RandomSt
     const GridWalkLayer& l = stack.layers[at.layer];
     const double length = (down ? l.thickness - at.z : at.z) / std::abs(w.z);
     if (l.grid) {
-      share *= std::visit(
-          [&]<class M>(const M&) {
-            return ratio_tracked<M>(*l.grid, at.x, at.y, l.thickness - at.z, w, stream);
-          },
-          l.grid->palette()[0]);
+      share *= in_grid(l, at);
     } else if (l.density > 0) {
       const double area = sigma(*l.medium, w);
       if (area > 0) share *= std::exp(-l.density * area * length);
@@ -95,7 +94,19 @@ double transmittance(const GridWalkStack& stack, Place at, Direction w, RandomSt
   return share;
 }
 
-// An event in the frame of a voxel's flakes.
+// The same, estimated.
+double estimated_transmittance(const GridWalkStack& stack, const Place& at, Direction w,
+                               RandomStream& stream) {
+  return transmittance(stack, at, w, [&](const GridWalkLayer& l, const Place& in) {
+    return std::visit(
+        [&]<class M>(const M&) {
+          return ratio_tracked<M>(*l.grid, in.x, in.y, l.thickness - in.z, w, stream);
+        },
+        l.grid->palette()[0]);
+  });
+}
+
+// An event, or its lobe, in the frame of a voxel's flakes.
 template <class Event>
 struct TurnedEvent {
   Event event;
@@ -103,6 +114,10 @@ struct TurnedEvent {
 
   [[nodiscard]] PhaseValue density(Direction wo) const {
     return event.density(frame ? frame->to_local(wo) : wo);
+  }
+  // For many directions.
+  [[nodiscard]] auto lobe() const {
+    return TurnedEvent<std::remove_cvref_t<decltype(lobe_of(event))>>{lobe_of(event), frame};
   }
   [[nodiscard]] Scatter sample(RandomStream& stream) const {
     Scatter s = event.sample(stream);
@@ -149,21 +164,39 @@ struct GridNullScorer {
 };
 
 // Next-event estimation. A way out through voxels is dear: on cells, each event sends its light to
-// one column of every row, drawn anew, for all of the row's.
+// one column of every row, drawn anew, for all of the row's. Ways through one grid wait until they
+// fill lanes, where there are any.
 template <int C>
 class GridNextEventScorer {
  public:
-  GridNextEventScorer(const GridWalkStack& stack, const CellTargets& cells, BatchTally& tally)
-      : stack_(stack), cells_(&cells), tally_(tally) {}
-  GridNextEventScorer(const GridWalkStack& stack, const std::vector<Direction>& points,
-                      BatchTally& tally)
-      : stack_(stack), points_(&points), tally_(tally) {}
+  GridNextEventScorer(const GridWalkStack& stack, const ShadowTables& tables, std::uint64_t seed,
+                      const CellTargets& cells, BatchTally& tally)
+      : GridNextEventScorer(stack, tables, seed, tally) {
+    cells_ = &cells;
+    columns_.resize(cells.grid.columns());
+    rows_.resize(cells.grid.rows());
+  }
+  GridNextEventScorer(const GridWalkStack& stack, const ShadowTables& tables, std::uint64_t seed,
+                      const std::vector<Direction>& points, BatchTally& tally)
+      : GridNextEventScorer(stack, tables, seed, tally) {
+    points_ = &points;
+  }
 
   void begin_walk(std::uint64_t seed, std::uint64_t index) {
+    if (queue_) queue_->begin_walk(index);
     if (!cells_) return;
     RandomStream stream(seed, index, StreamPurpose::targets);
-    u_mu_ = stream.uniform();
-    u_phi_ = stream.uniform();
+    const double u_mu = stream.uniform(), u_phi = stream.uniform();
+    const CellGrid& grid = cells_->grid;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      const double phi =
+          cells_->incident_azimuth + 2 * kPi * (static_cast<double>(k) + u_phi) / grid.phi_cells;
+      columns_[k] = {std::cos(phi), std::sin(phi), 0};
+    }
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const double mu2 = (grid.mu_cells - static_cast<double>(k) - u_mu) / grid.mu_cells;
+      rows_[k] = {std::sqrt(mu2), std::sqrt(1 - mu2)};
+    }
   }
 
   // layer: nullptr at the substrate. albedo: of the event, without Fresnel's factor.
@@ -171,22 +204,23 @@ class GridNextEventScorer {
   void event(const Place& at, const Event& event, const std::array<double, C>& weight,
              const GridWalkLayer* layer, const std::array<double, C>& albedo, std::uint64_t order,
              RandomStream& stream) {
+    const auto& lobe = lobe_of(event);
     const auto score = [&](int target, int count, Direction wo, double factor) {
-      const PhaseValue p = event.density(wo);
+      const PhaseValue p = lobe.density(wo);
       if (!(p.density > 0)) {
         finite_ = finite_ && p.density == 0;
         return;
       }
-      const double transport =
-          factor * p.density * transmittance(stack_, at, -wo, stream) / std::abs(wo.z);
-      finite_ = finite_ && std::isfinite(transport);
+      const double transport = factor * p.density / std::abs(wo.z);
+      std::array<double, C> worth;
+      for (int c = 0; c < C; ++c) {
+        worth[c] = weight[c] * albedo[c] * transport;
+        if (layer && layer->fresnel) worth[c] *= layer->f0[c] + (1 - layer->f0[c]) * p.schlick;
+        finite_ = finite_ && std::isfinite(worth[c]);
+      }
       double* sums =
           tally_.f.data() + static_cast<std::size_t>(order_slot(order)) * C * count + target;
-      for (int c = 0; c < C; ++c) {
-        double share = weight[c] * albedo[c] * transport;
-        if (layer && layer->fresnel) share *= layer->f0[c] + (1 - layer->f0[c]) * p.schlick;
-        sums[static_cast<std::size_t>(c) * count] += share;
-      }
+      send(at, -wo, worth, sums, count, stream);
     };
     if (!cells_) {
       const int count = static_cast<int>(points_->size());
@@ -200,10 +234,8 @@ class GridNextEventScorer {
       if (!up && (!cells_->both_sides || !layer)) break;
       for (int row = 0; row < grid.rows(); ++row) {
         const int column = std::min(static_cast<int>(stream.uniform() * columns), columns - 1);
-        const double phi = cells_->incident_azimuth + 2 * kPi * (column + u_phi_) / grid.phi_cells;
-        const double mu2 = (grid.mu_cells - row - u_mu_) / grid.mu_cells;
-        const double mu = std::sqrt(mu2), s = std::sqrt(1 - mu2);
-        const Direction wo{s * std::cos(phi), s * std::sin(phi), up ? mu : -mu};
+        const auto [mu, s] = rows_[row];
+        const Direction wo{s * columns_[column].x, s * columns_[column].y, up ? mu : -mu};
         score(row * columns + column + (up ? 0 : grid.cells()), count, wo, columns);
       }
     }
@@ -212,14 +244,58 @@ class GridNextEventScorer {
   void leave(Direction wo, const std::array<double, C>& weight, std::uint64_t order, bool delta) {
     if (delta && cells_) AnalogScorer<C>(*cells_, tally_).leave(wo, weight, order, true);
   }
+  void end_batch() {
+    if (queue_) queue_->flush();
+  }
   [[nodiscard]] bool finite() const { return finite_; }
 
  private:
+  GridNextEventScorer(const GridWalkStack& stack, const ShadowTables& tables, std::uint64_t seed,
+                      BatchTally& tally)
+      : stack_(stack), tally_(tally) {
+    if (tables.on_lanes()) queue_ = std::make_unique<ShadowQueue<C>>(tables, seed);
+  }
+
+  // Adds what arrives outside, from a place along -w, to sums[c stride].
+  void send(const Place& at, Direction w, std::array<double, C> worth, double* sums,
+            std::size_t stride, RandomStream& stream) {
+    double share = 0;
+    const auto wait = [&](const GridWalkLayer& l, const Place& in) {
+      queue_->push(*l.grid, {in.x, in.y, l.thickness - in.z, w}, worth, sums, stride);
+    };
+    if (queue_ && ShadowTables::takes(w)) {
+      if (stack_.layers.size() == 1 && at.layer == 0) return wait(stack_.layers[0], at);
+      const GridWalkLayer* crossed = nullptr;
+      Place in = at;
+      int grids = 0;
+      share = transmittance(stack_, at, w, [&](const GridWalkLayer& l, const Place& place) {
+        crossed = &l;
+        in = place;
+        ++grids;
+        return 1.0;
+      });
+      if (grids == 1 && share > 0) {
+        for (double& x : worth) x *= share;
+        return wait(*crossed, in);
+      }
+      if (grids > 1) share = estimated_transmittance(stack_, at, w, stream);
+    } else {
+      share = estimated_transmittance(stack_, at, w, stream);
+    }
+    for (int c = 0; c < C; ++c) sums[c * stride] += worth[c] * share;
+  }
+
   const GridWalkStack& stack_;
   const CellTargets* cells_ = nullptr;
   const std::vector<Direction>* points_ = nullptr;
   BatchTally& tally_;
-  double u_mu_ = 0, u_phi_ = 0;
+  std::unique_ptr<ShadowQueue<C>> queue_;
+  // Of the walk's directions: cosine and sine of phi by column, of theta by row.
+  struct Row {
+    double mu, s;
+  };
+  std::vector<Direction> columns_;
+  std::vector<Row> rows_;
   bool finite_ = true;
 };
 
@@ -269,8 +345,10 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       if (endless || !std::isfinite(flight.length)) break;  // in a half space: for good
       at.x -= wi.x * flight.length;
       at.y -= wi.y * flight.length;
-      at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
-      at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
+      if (!(at.x >= 0 && at.x < stack.tile_x))
+        at.x -= stack.tile_x * std::floor(at.x / stack.tile_x);
+      if (!(at.y >= 0 && at.y < stack.tile_y))
+        at.y -= stack.tile_y * std::floor(at.y / stack.tile_y);
       if (flight.end == Flight::collided) {
         at.z = std::clamp(at.z + wi.z * flight.length, 0.0, l.thickness);
         break;
@@ -346,7 +424,8 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
 template <int C>
 RunBatch runner_of(const std::shared_ptr<const GridWalkStack>& stack, Direction incident,
                    std::uint64_t seed, Estimator estimator, const CellTargets& targets,
-                   const std::vector<Direction>* points, std::vector<BatchTally>& batches) {
+                   const std::vector<Direction>* points, Isa isa,
+                   std::vector<BatchTally>& batches) {
   const auto with = [&](const auto& make_scorer) {
     return batches_of_walks(seed, batches, make_scorer,
                             [=](std::uint64_t index, auto& scorer, BatchTally& tally) {
@@ -354,16 +433,17 @@ RunBatch runner_of(const std::shared_ptr<const GridWalkStack>& stack, Direction 
                             });
   };
   if (points && points->empty()) return with([](int) { return GridNullScorer<C>(); });
-  if (points)
-    return with([=, &batches](int batch) {
-      return GridNextEventScorer<C>(*stack, *points, batches[batch]);
-    });
-  if (estimator == Estimator::analog)
+  if (!points && estimator == Estimator::analog)
     return with([&targets, &batches](int batch) {
       return GridAnalogScorer<C>{AnalogScorer<C>(targets, batches[batch])};
     });
-  return with([stack, &targets, &batches](int batch) {
-    return GridNextEventScorer<C>(*stack, targets, batches[batch]);
+  const auto tables = std::make_shared<const ShadowTables>(isa, stack->owned);
+  if (points)
+    return with([=, &batches](int batch) {
+      return GridNextEventScorer<C>(*stack, *tables, seed, *points, batches[batch]);
+    });
+  return with([=, &targets, &batches](int batch) {
+    return GridNextEventScorer<C>(*stack, *tables, seed, targets, batches[batch]);
   });
 }
 
@@ -397,8 +477,8 @@ RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident, s
     for (const Direction& wo : *points) check_beside_grids("w_o", wo);
   const auto walked = std::make_shared<const GridWalkStack>(stack, plan);
   return plan.channels == 1
-             ? runner_of<1>(walked, incident, seed, estimator, targets, points, batches)
-             : runner_of<3>(walked, incident, seed, estimator, targets, points, batches);
+             ? runner_of<1>(walked, incident, seed, estimator, targets, points, plan.isa, batches)
+             : runner_of<3>(walked, incident, seed, estimator, targets, points, plan.isa, batches);
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): std::function owns the runner
 
 }  // namespace lamella

@@ -99,7 +99,7 @@ double largest_density(const Stack& stack, const Plan& plan) {
 
 std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
-  if (plan.has_grids()) return "lanes have no kernel for density grids";
+  if (plan.has_grids()) return "walks through density grids have no kernel on lanes";
   if (stack.grains()) return "explicit geometry is traced in double";
   if (plan.boundaries) {
     if (auto reason = why_not_boundaries(stack, plan)) return reason;

@@ -11,6 +11,7 @@
 #include "volume/plan/longest_walk.h"
 #include "volume/run/simulation.h"
 #include "volume/voxels/density_grid.h"
+#include "volume/voxels/ray_table.h"
 
 namespace lamella {
 namespace {
@@ -204,6 +205,17 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   if (plan.has_grids())
     notes.push_back({"place", "x and y in the tile of all grids; light enters all over it",
                      "f is the mean over the tile"});
+  if (plan.has_grids() && plan.isa != Isa::scalar) {
+    const bool on_lanes = std::all_of(plan.grids.begin(), plan.grids.end(),
+                                      [](const auto& grid) { return !grid || make_ray_table(*grid); });
+    notes.push_back(
+        on_lanes
+            ? PlanNote{"shadow rays", fmt::format("{} lanes, single precision", to_text(plan.isa)),
+                       "next-event estimation follows hundreds of rays through a grid at once"}
+            : PlanNote{"shadow rays", "scalar, double precision",
+                       "lanes have no table for a grid of one-sided flakes that are turned, of "
+                       "roughness alone, or of very many voxels"});
+  }
   if (plan.uniform_medium)
     notes.push_back({"medium", "kernel of " + stack.layers[plan.layers[0]].medium_name,
                      "all layers hold the same kind of medium"});

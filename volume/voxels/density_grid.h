@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -93,20 +94,20 @@ class DensityGrid {
   // sigma of a medium whose axis makes this cosine with w.
   template <class M>
   [[nodiscard]] static double sigma_of_cosine(const M& medium, double c) {
-    c = std::fmin(1, std::fmax(-1, c));
+    c = std::clamp(c, -1.0, 1.0);
     return medium.sigma({std::sqrt((1 - c) * (1 + c)), 0, c});
   }
 
   // The cosine between w and an axis of the cone at which sigma is largest; c: with its middle.
   [[nodiscard]] double extreme_cosine(double c, const AxisCone& cone) const {
     if (two_sided_) c = std::fabs(c);
-    c = std::fmin(1, std::fmax(-1, c));
+    c = std::clamp(c, -1.0, 1.0);
     const double s = std::sqrt((1 - c) * (1 + c));
     if (largest_along_axis_)  // the axis nearest to w
       return c >= cone.cosine ? 1 : c * cone.cosine + s * cone.sine;
     // The axis farthest from w, at most at right angles; wider cones hold one.
     if (cone.cosine <= 0) return 0;
-    return std::fmax(0, c * cone.cosine - s * cone.sine);
+    return std::max(0.0, c * cone.cosine - s * cone.sine);
   }
 
   std::shared_ptr<const Voxels> voxels_;

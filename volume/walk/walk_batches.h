@@ -17,8 +17,8 @@ using RunBatch = std::function<void(int batch, std::uint64_t from, std::uint64_t
 }
 
 /// Batches of walks that are followed one by one. make_scorer(batch) gives the scorer that the
-/// walks of a batch share; follow(index, scorer, tally) follows one walk. `batches` outlives the
-/// result.
+/// walks of a batch share, and that may have something left to do when they end (end_batch);
+/// follow(index, scorer, tally) follows one walk. `batches` outlives the result.
 template <class MakeScorer, class Follow>
 [[nodiscard]] RunBatch batches_of_walks(std::uint64_t seed, std::vector<BatchTally>& batches,
                                         MakeScorer make_scorer, Follow follow) {
@@ -29,6 +29,7 @@ template <class MakeScorer, class Follow>
       scorer.begin_walk(seed, index);
       follow(index, scorer, batches[batch]);
     }
+    if constexpr (requires { scorer.end_batch(); }) scorer.end_batch();
   };
 }
 
