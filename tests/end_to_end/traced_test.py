@@ -36,13 +36,16 @@ class PathsOnAnObject(ProgramTest):
         seen = []
         for seed, stack in enumerate(names):
             with self.subTest(stack):
-                run = ["preview", stack, "--white", "--shape", "sphere", "--light", "none", "--depth", "64", "--size", "16",
+                run = ["preview", stack, "--white", "--shape", "sphere", "--light", "none", "--size", "16",
                        "--samples", str(32 * MANY), "--seed", str(seed + 1), "--model", "lambert,albedo=1", "--quiet",
                        "-o", "out"]
                 if stack in NO_PICTURES:
                     self.assertIn("homogeneous layers", self.lamella(*run, status=2).err)
                     continue
-                answer = self.json_of(*run)
+                answer = self.json_of(*run, "--depth", "64")
+                if loses_light(answer["stack"]) and "substrate" not in answer["stack"]:
+                    # Light that passes the sphere would lose more at its other side: it is cut there.
+                    answer = self.json_of(*run, "--depth", "1")
                 picture, closed = answer["traced"]["pictures"]
                 self.assertAlmostEqual(closed["mean_luminance"] + closed["cut"], 1,
                                        delta=4.5 * closed["standard_error"] + 1e-9)
