@@ -44,7 +44,7 @@ class PathsOnAnObject(ProgramTest):
                     continue
                 answer = self.json_of(*run, "--depth", "64")
                 if loses_light(answer["stack"]) and "substrate" not in answer["stack"]:
-                    # Light that passes the sphere would lose more at its other side: it is cut there.
+                    # What passes the sphere would lose more at its other side: it is cut there.
                     answer = self.json_of(*run, "--depth", "1")
                 picture, closed = answer["traced"]["pictures"]
                 self.assertAlmostEqual(closed["mean_luminance"] + closed["cut"], 1,
