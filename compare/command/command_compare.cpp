@@ -7,6 +7,7 @@
 #include "compare/command/command.h"
 #include "compare/command/divided_run.h"
 #include "compare/command/picture_options.h"
+#include "compare/command/texel_models.h"
 #include "compare/exchange/measured_comparison.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
@@ -27,6 +28,7 @@
 #include "compare/request/stack_parameters.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
+#include "compare/truth/texel_table.h"
 #include "phase/stack/stack_paths.h"
 
 namespace lamella {
@@ -42,30 +44,6 @@ TruthRequest preview_request(const TruthRequest& request) {
   preview.given.clear();
   preview.effort.walks = std::min(request.effort.walks, kPreviewWalks);
   return preview;
-}
-
-// The models that apply to the first texel, or that were asked for, as their means over all.
-// solved: without noise, as their truth has none.
-std::vector<BoundModel> models_of_texels(const Options& options, const std::vector<Stack>& texels,
-                                         bool solved) {
-  std::vector<ModelRequest> requests = requests_for(model_requests(options), texels.front());
-  // Fits take seconds for every texel: further lobes come from the network, or there are none.
-  for (ModelRequest& request : requests)
-    if (request.name == "spongecake" && request.values.empty()) {
-      const bool predicted = std::all_of(texels.begin(), texels.end(), [](const Stack& texel) {
-        return why_no_network(texel).empty();
-      });
-      request.values.emplace_back("lobes", predicted ? "network" : "none");
-    }
-  std::vector<std::vector<BoundModel>> bound(requests.size());
-  for (const Stack& texel : texels) {
-    std::vector<BoundModel> models = fitted_models_for(requests, texel);
-    for (std::size_t m = 0; m < models.size(); ++m) bound[m].push_back(std::move(models[m]));
-  }
-  std::vector<BoundModel> means;
-  for (std::vector<BoundModel>& models : bound)
-    means.push_back(mean_over_texels(std::move(models), solved));
-  return means;
 }
 
 // Beyond --max-error.
@@ -90,15 +68,13 @@ int compare_run(const DividedRun& run, const RunMonitor& monitor) {
   const Options& options = run.options;
   const TruthRequest request = request_of(run);
   const Stack& stack = request.stack;
-  if (options.preview && !run.texels.empty())
-    throw UsageError("--preview: found --at mean; allowed: --at U,V");
   const std::vector<PictureFormat> formats = picture_formats_of(run.pictures);
-  if (options.preview) check_preview("compare --preview", stack);
+  if (options.preview) check_preview("compare --preview", stack, run.texels);
   GroundTruth truth(request, Estimator::analog, monitor);
   const std::vector<BoundModel> models =
-      run.texels.empty()
-          ? fitted_models_for(model_requests(options), stack)
-          : models_of_texels(options, run.texels, truth.estimator() == Estimator::deterministic);
+      run.texels.empty() ? fitted_models_for(model_requests(options), stack)
+                         : models_of_texels(model_requests(options), run.texels,
+                                            truth.estimator() == Estimator::deterministic);
   const InputFiles inputs(stack, objects_of(models));
   const std::string folder = options.output.empty() ? stack.name + "-compare" : options.output;
   make_output_folder(folder);
@@ -111,11 +87,17 @@ int compare_run(const DividedRun& run, const RunMonitor& monitor) {
   std::string summary = comparison_summary(request, comparison);
   const int drawn = write_comparison_files(folder, request, comparison, formats, inputs);
   if (options.preview && !user_interrupt) {
-    const LobeTable lobes = LobeTable::make(preview_request(request), monitor.stop, monitor.solver);
+    const TexelTable of_texels =
+        table_of_texels(preview_request(request), monitor.stop, monitor.solver);
+    const LobeTable& lobes = of_texels.table;
     if (monitor.finished) monitor.finished();
+    // Of a map, truth and closed forms are means over the same texels.
+    std::vector<BoundModel> means;
+    if (!run.texels.empty())
+      means = models_of_texels(model_requests(options), of_texels.texels, /*solved=*/true);
     const PreviewLighting lighting;
-    const std::vector<PreviewResult> views =
-        preview_views(lobes, models, lighting, options.size, &user_interrupt);
+    const std::vector<PreviewResult> views = preview_views(
+        lobes, run.texels.empty() ? models : means, lighting, options.size, &user_interrupt);
     write_preview_files(folder + "/preview_", views, lobes, named_for_image(request, folder).stack,
                         lighting, formats, inputs);
     answer["previews"] = to_json(views);

@@ -9,6 +9,7 @@
 #include "compare/command/picture_options.h"
 #include "compare/files/folder_lock.h"
 #include "compare/files/output_folder.h"
+#include "compare/nearest/held_out.h"
 #include "compare/nearest/stack_fit.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
@@ -50,10 +51,15 @@ int fit_stack_command(const Options& options, const ClosedFormOptions& closed,
   }
   Options how = options;
   how.incident.clear();
-  const NearestModels nearest = nearest_stack(
-      target, parametric_stack(stack, closed.vary, target.plan.channels), truth_request(how, stack),
-      closed.norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
+  const ParametricStack varied = parametric_stack(stack, closed.vary, target.plan.channels);
+  const TruthRequest of_fitted = truth_request(how, stack);
+  NearestModels nearest = nearest_stack(
+      target, varied, of_fitted, closed.norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
       closed.sides == "reflect" ? FitSides::reflect : FitSides::all, monitor);
+  if (has_other_directions(options) && !monitor.is_stopped())
+    if (const auto others = held_out_directions(target.request.directions); !others.empty())
+      judge_stack_held_out(nearest, target_of(of_target, source, monitor, others), varied,
+                           of_fitted, monitor);
   if (monitor.finished) monitor.finished();
   inputs.check();
   of_stack.check();

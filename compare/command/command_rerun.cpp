@@ -7,10 +7,12 @@
 #include <sstream>
 
 #include "compare/command/command.h"
+#include "compare/command/texel_models.h"
 #include "compare/judge/judgement.h"
 #include "compare/options/progress.h"
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
+#include "compare/report/texel_record.h"
 #include "compare/request/errors.h"
 #include "compare/request/model_request.h"
 #include "compare/request/numbers.h"
@@ -33,6 +35,7 @@ struct RecordedRun {
   Estimator estimator;   // that found it
   std::vector<std::uint64_t> walks;
   std::string model;           // empty: the lobes of the truth alone
+  std::string model_asked{};   // of a mean over a map: what every texel's was asked for by
   Stack found{};               // the request's stack, its files where they are now
   std::string model_object{};  // path of the shared object that the model comes from
 };
@@ -76,14 +79,12 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
         fmt::format("{}: its truth was a measured material or a closed form, which is nothing to "
                     "repeat; allowed: lobes of a stack",
                     path));
-  if (image.attributes.contains("lamella.texels"))
-    throw UsageError(fmt::format(
-        "{}: it is the mean over {} texels of a map, which are not recorded; allowed: lobes of one "
-        "stack (--at U,V)",
-        path, text("texels")));
+  TexelRecord texels = read_texels(image, path);
   RecordedRun recorded{.request = {}, .estimator = Estimator::analog, .walks = {}, .model = {}};
   TruthRequest& request = recorded.request;
   request.stack = with_surface_model(parse_stack(text("stack"), path, text("stack_name")));
+  request.texels = std::move(texels.texels);
+  request.texel_ends = std::move(texels.ends);
   request.cells = parse_grid(text("grid"));
   request.seed = whole("seed");
   request.limits.max_order = whole("max_order");
@@ -141,9 +142,18 @@ RecordedRun recorded_run(const ExrImage& image, const std::string& path) {
   }
   if (request.directions.empty() || recorded.walks.size() != request.directions.size())
     throw broken("walks");
+  // Whole batches of each texel, unless something stopped them.
+  for (const std::uint64_t count : recorded.walks)
+    if (!request.texels.empty() && recorded.estimator != Estimator::deterministic &&
+        (count == 0 || count % (kBatches * request.texels.size()) != 0))
+      throw UsageError(fmt::format(
+          "{}: its {} walks ended before each of {} texels had as many as the others; allowed: a "
+          "mean over a map that was not interrupted",
+          path, count, request.texels.size()));
   recorded.found = with_found_files(request.stack, attribute_or_nothing(image, "files"),
                                     fs::path(path).parent_path(), path);
   recorded.model = attribute_or_nothing(image, "model");
+  recorded.model_asked = attribute_or_nothing(image, "model_asked");
   // With a slash, so that it is a path whatever its name is.
   if (const std::string file = attribute_or_nothing(image, "model_file"); !file.empty())
     recorded.model_object =
@@ -169,23 +179,33 @@ RepeatedRun repeated(const RecordedRun& recorded, const RunMonitor& monitor) {
   GroundTruth truth(request, recorded.estimator, monitor);
   std::optional<BoundModel> model;
   if (!recorded.model.empty()) {
-    ModelRequest asked = parse_model_request(recorded.model);
+    const bool of_texels = !recorded.model_asked.empty();
+    ModelRequest asked = parse_model_request(of_texels ? recorded.model_asked : recorded.model);
     if (!recorded.model_object.empty()) asked.name = recorded.model_object;
-    model = model_for(asked, request.stack);
+    if (of_texels)
+      model = std::move(
+          models_of_texels({asked}, request.texels, recorded.estimator == Estimator::deterministic)
+              .front());
+    else
+      model = model_for(asked, request.stack);
   }
-  std::vector<RunResult> runs;
+  std::vector<RunResult> runs, map_errors;
   std::vector<LobeComparison> lobes;
   for (std::size_t k = 0; k < request.directions.size(); ++k) {
     const Truth found = truth.find(k, recorded.walks[k]);
     runs.push_back(found.run);
+    if (found.map_error) map_errors.push_back(*found.map_error);
     if (monitor.is_stopped()) throw UsageError("interrupted: nothing is said of the file");
     if (!model) continue;
     for (LobeComparison& l : judge(found, truth.plan(), *model)) lobes.push_back(std::move(l));
   }
   inputs.check();
-  return {model ? comparison_image(recorded.request, runs, lobes, recorded.model)
-                : simulation_image(recorded.request, runs),
-          std::move(inputs)};
+  ExrImage image = model ? comparison_image(recorded.request, runs, lobes, recorded.model)
+                         : simulation_image(recorded.request, runs);
+  if (!model) add_map_errors(image, map_errors);
+  if (!recorded.model_asked.empty()) image.attributes["lamella.model_asked"] = recorded.model_asked;
+  record_texels(image, recorded.request, truth.texel_ends());
+  return {std::move(image), std::move(inputs)};
 }
 
 // Names the files of a repeated run for its place, which need not be that of the first one.

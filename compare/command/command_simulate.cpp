@@ -9,6 +9,7 @@
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
 #include "compare/report/map_error.h"
+#include "compare/report/texel_record.h"
 #include "compare/request/interrupt.h"
 #include "compare/request/truth_request.h"
 #include "compare/truth/ground_truth.h"
@@ -98,6 +99,7 @@ int simulate_run(const DividedRun& run_of, const RunMonitor& monitor) {
     const auto folder = std::filesystem::path(options.output).parent_path();
     ExrImage image = simulation_image(named_for_image(request, folder), runs);
     add_map_errors(image, map_errors);
+    record_texels(image, request, truth.texel_ends());
     record_files(image, inputs, folder);
     write_exr(options.output, image);
     if (!options.quiet) fmt::print(out, "wrote {}\n", options.output);

@@ -171,9 +171,10 @@ void add_stack(CLI::App& command, CommandLine& line) {
 
 void add_at(CLI::App& command, CommandLine& line) {
   command
-      .add_option("--at", line.options.at,
-                  "The place on a stack with pictures among its values, u and v from 0 to 1; "
-                  "simulate, compare and furnace: or mean, over the whole picture")
+      .add_option(
+          "--at", line.options.at,
+          "The place on a stack with pictures among its values, u and v from 0 to 1; "
+          "simulate, compare, furnace, preview without --shape: or mean, over the whole picture")
       ->transform(named("U,V or mean"))
       ->type_name("U,V");
 }

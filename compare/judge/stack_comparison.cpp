@@ -45,6 +45,7 @@ StackComparison compare_stack(GroundTruth& truth, const std::vector<BoundModel>&
   if (grains && !grains->is_height_field() && !truth.is_stopped())
     comparison.beside = side_by_side(truth.request(), comparison.runs, truth.stop());
   comparison.choice = truth.choice();
+  comparison.texel_ends = truth.texel_ends();
   comparison.channels = truth.plan().channels;
   comparison.interrupted = truth.is_stopped();
   return comparison;

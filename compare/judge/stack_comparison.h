@@ -23,8 +23,9 @@ struct JudgedModel {
 struct StackComparison {
   EstimatorChoice choice;  ///< of the truth's estimator
   int channels = 1;
-  std::vector<RunResult> runs;          ///< per incident direction
-  std::vector<RunResult> map_errors{};  ///< Truth::map_error of each, if they have it
+  std::vector<RunResult> runs;                        ///< per incident direction
+  std::vector<RunResult> map_errors{};                ///< Truth::map_error of each, if they have it
+  std::vector<TruthRequest::SolverEnd> texel_ends{};  ///< GroundTruth::texel_ends
   std::vector<JudgedModel> models;
   std::vector<SideBySide> beside;  ///< of explicit geometry: the media that can stand for it
   bool interrupted = false;        ///< whether directions or walks are missing

@@ -15,12 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string request_text(const ModelRequest& request) {
-  std::string text = request.name;
-  for (const auto& [key, value] : request.values) text += fmt::format(",{}={}", key, value);
-  return text;
-}
-
 std::string found_text(const ModelFit& fit) {
   std::string text;
   for (const auto& [key, value] : fit.request.values)

@@ -6,7 +6,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include "compare/nearest/fit_target.h"
 #include "phase/math/degrees.h"
 
 namespace lamella {
@@ -15,10 +14,10 @@ namespace {
 // As fits have them at last.
 constexpr int kPoints = 4;
 
-// Root of the mean over incident directions of sum (m - t)^2 / sum t^2, the truth's noise taken
-// off both.
-double error_of(const Model& model, const FitTarget& target, Isa isa) {
-  const std::vector<double> means = cell_means(model, target, cell_points(target, kPoints), isa);
+}  // namespace
+
+double held_out_error(const FitTarget& target, std::span<const double> means,
+                      std::span<const double> errors) {
   struct Sums {
     double off = 0, truth = 0;
   };
@@ -28,7 +27,7 @@ double error_of(const Model& model, const FitTarget& target, Isa isa) {
     for (std::size_t k = l * target.block(); k < (l + 1) * target.block(); ++k) {
       const double t = target.value[k], d = means[k] - t;
       const double noise = target.is_bounded ? 0 : target.error[k] * target.error[k];
-      sums.off += d * d - noise;
+      sums.off += d * d - noise - (errors.empty() ? 0 : errors[k] * errors[k]);
       sums.truth += t * t - noise;
     }
   }
@@ -36,8 +35,6 @@ double error_of(const Model& model, const FitTarget& target, Isa isa) {
   for (const auto& [run, s] : runs) sum += s.truth > 0 ? std::max(s.off, 0.0) / s.truth : 0;
   return std::sqrt(sum / static_cast<double>(runs.size()));
 }
-
-}  // namespace
 
 std::vector<Direction> held_out_directions(std::vector<Direction> fitted) {
   std::sort(fitted.begin(), fitted.end(), [](Direction a, Direction b) { return a.z > b.z; });
@@ -69,7 +66,9 @@ void judge_held_out(NearestModels& nearest, const TargetTruths& others) {
     nearest.held_out.directions.push_back(truth.run.incident);
   const std::vector<BoundModel> models = bound_models(nearest);
   for (const BoundModel& model : models)
-    nearest.held_out.relative_rmse.push_back(error_of(*model.model, target, others.request.isa));
+    nearest.held_out.relative_rmse.push_back(held_out_error(
+        target,
+        cell_means(*model.model, target, cell_points(target, kPoints), others.request.isa)));
 }
 
 }  // namespace lamella

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "compare/nearest/held_out.h"
 #include "compare/request/errors.h"
 #include "phase/stack/stack_file.h"
 #include "volume/solver/deterministic_run.h"
@@ -20,6 +22,9 @@ namespace {
 constexpr double kSolverStep = 5e-3, kWalkStep = 2e-2;  // of the ranges, for derivatives
 constexpr int kFewestNodes = 12, kMostNodes = 32, kMostModes = 48;
 constexpr double kCoarseTolerance = 2e-3;  // of searches, whose nodes are the fewest
+
+// Seeds from that of a fit to that of its check on other directions.
+constexpr std::uint64_t kHeldOutSeeds = 0x9E3779B97F4A7C15ULL;
 
 // Nodes and modes of every solution.
 struct SolverQuality {
@@ -117,6 +122,14 @@ class StackLobes {
   /// The lobes at scaled numbers as the exact pass has them.
   [[nodiscard]] std::vector<RunResult> exact_runs(std::span<const double> x) {
     return runs(stack_.at(x), FitPass::exact);
+  }
+  /// The same on the target's cells, and the standard errors of walks, or nothing of the solver.
+  struct Answer {
+    std::vector<double> means, errors;
+  };
+  [[nodiscard]] Answer answer(std::span<const double> x) {
+    const std::vector<RunResult> found = exact_runs(x);
+    return {on_target(found, false), solves_ ? std::vector<double>() : on_target(found, true)};
   }
   /// Standard errors of walks.
   [[nodiscard]] std::vector<double> errors(std::span<const double> x) {
@@ -224,6 +237,25 @@ NearestModels nearest_stack(const TargetTruths& target, const ParametricStack& s
   nearest.fits.push_back(std::move(fit));
   nearest.interrupted = nearest.interrupted || monitor.is_stopped();
   return nearest;
+}
+
+void judge_stack_held_out(NearestModels& nearest, const TargetTruths& others,
+                          const ParametricStack& stack, TruthRequest how,
+                          const RunMonitor& monitor) {
+  FitTarget cells;
+  try {
+    cells = fit_target(others.truths, nearest.transmitted);
+  } catch (const std::invalid_argument&) {
+    return;
+  }
+  how.seed += kHeldOutSeeds;
+  StackLobes lobes(stack, cells, others, how, monitor);
+  lobes.choose();
+  const StackLobes::Answer answer = lobes.answer(nearest.fits.front().scaled);
+  nearest.held_out = {};
+  for (const Truth& truth : others.truths)
+    nearest.held_out.directions.push_back(truth.run.incident);
+  nearest.held_out.relative_rmse = {held_out_error(cells, answer.means, answer.errors)};
 }
 
 BoundModel fitted_stack_model(const ModelFit& fit, ModelInfo& info) {

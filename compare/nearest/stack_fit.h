@@ -26,6 +26,13 @@ inline constexpr std::uint64_t kFitWalks = 100000;
                                           const TruthRequest& how, FitNorm norm, FitSides sides,
                                           const RunMonitor& monitor);
 
+/// Judges the fitted stack on the truths of other directions than its own: HeldOut of `nearest`.
+/// `stack`, `how`: of nearest_stack; walks have other random numbers than there, so that they share
+/// none with the target's. Where there is no light along the directions, nothing.
+void judge_stack_held_out(NearestModels& nearest, const TargetTruths& others,
+                          const ParametricStack& stack, TruthRequest how,
+                          const RunMonitor& monitor);
+
 /// The fitted stack in the place of a model that is judged: its name and its numbers, in `info`,
 /// which must outlive it, and no values of its own.
 [[nodiscard]] BoundModel fitted_stack_model(const ModelFit& fit, ModelInfo& info);

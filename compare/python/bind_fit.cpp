@@ -136,10 +136,15 @@ py::tuple fit_stack(const py::object& target, const Stack& stack,
   WorkEnd end = do_work(options.threads, show, [&](const RunMonitor& monitor) {
     fits->inputs = InputFiles(of ? *of : Stack{});
     fits->target = target_of(lobes, fits->given.get(), of, options, monitor);
-    fits->nearest =
-        nearest_stack(fits->target, parametric_stack(stack, vary, fits->target.plan.channels),
-                      request, norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
-                      sides == "reflect" ? FitSides::reflect : FitSides::all, monitor);
+    const ParametricStack varied = parametric_stack(stack, vary, fits->target.plan.channels);
+    fits->nearest = nearest_stack(fits->target, varied, request,
+                                  norm == "log" ? FitNorm::logarithmic : FitNorm::relative,
+                                  sides == "reflect" ? FitSides::reflect : FitSides::all, monitor);
+    if (!lobes && !monitor.is_stopped())
+      if (const auto others = held_out_directions(fits->target.request.directions); !others.empty())
+        judge_stack_held_out(fits->nearest,
+                             target_of(lobes, fits->given.get(), of, options, monitor, others),
+                             varied, request, monitor);
     fits->inputs.check();
   });
   return py::make_tuple(std::move(fits), end.warnings);

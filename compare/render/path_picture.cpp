@@ -83,20 +83,18 @@ class PathTracer {
       if (std::abs(wo.z) < kLeastMu) return end;
       const double u1 = stream.uniform(), u2 = stream.uniform(), u3 = stream.uniform();
       const auto aimed = light_.sample(u1, u2, u3);
-      Direction wi{};
+      LightAim aim{};
       bool aims = aimed.has_value();
       if (aims) {
-        wi = frame.to_local(aimed->w);
-        aims = std::abs(wi.z) > kLeastMu && (surface_.transmits() || wi.z * wo.z > 0);
+        aim = {frame.to_local(aimed->w), aimed->density};
+        aims = std::abs(aim.wi.z) > kLeastMu && (surface_.transmits() || aim.wi.z * wo.z > 0);
       }
       const Scattered scattered =
-          surface_.scatter(hit->u, hit->v, wo, aims ? &wi : nullptr, settings_.seed, walk++);
+          surface_.scatter(hit->u, hit->v, wo, aims ? &aim : nullptr, settings_.seed, walk++);
       const double passes = aims && scattered.f != Rgb(0) ? passage(*hit, aimed->w) : 0;
-      if (passes > 0) {
-        const double share = aimed->density / (aimed->density + scattered.target_density);
-        end.radiance += passes * share * std::abs(wi.z) / aimed->density *
-                        (weight * scattered.f * aimed->radiance);
-      }
+      if (passes > 0)
+        end.radiance +=
+            passes * std::abs(aim.wi.z) / aimed->density * (weight * scattered.f * aimed->radiance);
       if (!scattered.next) return end;
       // A sheet that the path just passes leaves it what it was.
       if (!scattered.next->straight) density = scattered.next->density;

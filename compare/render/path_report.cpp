@@ -15,26 +15,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The mean over the samples: a pixel at the object's edge counts by what the object covers of it.
 double mean_luminance(const PathPicture& picture) {
   double sum = 0, count = 0;
-  for (std::size_t k = 0; k < picture.samples.size(); ++k)
-    if (picture.samples[k]) {
-      sum += luminance(picture.mean(k));
-      ++count;
-    }
+  for (std::size_t k = 0; k < picture.samples.size(); ++k) {
+    sum += luminance(picture.sum[k]);
+    count += picture.samples[k];
+  }
   return count > 0 ? sum / count : 0;
 }
 
-// Standard error of mean_luminance.
+// Standard error of mean_luminance. Single samples of a pixel have the variance that those of other
+// pixels have in the mean.
 double mean_error(const PathPicture& picture) {
-  double sum = 0, count = 0;
-  for (std::size_t k = 0; k < picture.samples.size(); ++k)
-    if (picture.samples[k]) {
-      const Rgb v = picture.variance(k);
-      sum += std::pow(luminance(Rgb(std::sqrt(v.r), std::sqrt(v.g), std::sqrt(v.b))), 2);
-      ++count;
-    }
-  return count > 0 ? std::sqrt(sum) / count : 0;
+  double sum = 0, known = 0, count = 0;
+  for (std::size_t k = 0; k < picture.samples.size(); ++k) {
+    const double n = picture.samples[k];
+    count += n;
+    if (n < 2) continue;
+    known += n;
+    // Channels share their paths: standard errors add up with the weights of the luminance.
+    const Rgb v = picture.variance(k);
+    sum += std::pow(n * luminance(Rgb(std::sqrt(v.r), std::sqrt(v.g), std::sqrt(v.b))), 2);
+  }
+  return known > 0 ? std::sqrt(sum * count / known) / count : 0;
 }
 
 std::uint32_t most_samples(const PathPicture& picture) {

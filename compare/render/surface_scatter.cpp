@@ -9,14 +9,12 @@
 #include "compare/request/errors.h"
 #include "phase/math/sampling.h"
 #include "phase/random/random.h"
-#include "volume/run/viewed_walk.h"
 
 namespace lamella {
 namespace {
 
-// What stands for the density of where a walk leaves [1/sr]: lights that are sampled more densely
-// are found by aiming, wide ones by following walks, whose weights do not exceed 1.
-constexpr double kWalkDensity = 2;
+// What of light that was drawn with one density is aimed, where paths find it with the other.
+double aimed_share(double aimed, double path) { return aimed / (aimed + path); }
 
 class WalkedSurface final : public SurfaceScatter {
  public:
@@ -37,15 +35,12 @@ class WalkedSurface final : public SurfaceScatter {
 
   [[nodiscard]] bool transmits() const override { return transmits_; }
 
-  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const LightAim* aim,
                                   std::uint64_t seed, std::uint64_t number) const override {
-    const ViewedLight light = places_.at(u, v).follow(wo, wi, seed, number);
-    Scattered out{light.f, kWalkDensity, {}};
-    if (light.departure)
-      out.next = Scattered::Next{
-          light.departure->wi, light.departure->weight,
-          light.departure->unaimed ? std::optional<double>() : std::optional(kWalkDensity),
-          light.departure->straight};
+    const ViewedLight light = places_.at(u, v).follow(wo, aim, seed, number);
+    Scattered out{light.f, {}};
+    if (const auto& left = light.departure)
+      out.next = Scattered::Next{left->wi, left->weight, left->density, left->straight};
     return out;
   }
 
@@ -75,7 +70,7 @@ Direction cosine_direction(RandomStream& stream, bool up) {
 constexpr double kCosineShare = 0.2, kBeyondShare = 0.3;
 
 // One sample of a closed form on a surface that lets light pass or not.
-Scattered scatter_by(const Model& model, bool transmits, Direction wo, const Direction* wi,
+Scattered scatter_by(const Model& model, bool transmits, Direction wo, const LightAim* aim,
                      std::uint64_t seed, std::uint64_t number) {
   RandomStream stream = sample_stream(seed, number);
   // Deltas, then the closed form's own sampler, or a cosine on either side: samplers leave out
@@ -91,10 +86,7 @@ Scattered scatter_by(const Model& model, bool transmits, Direction wo, const Dir
     return p_model * model.pdf(w, wo) + (beyond ? p_far : p_near) * std::abs(w.z) / kPi;
   };
   Scattered out;
-  if (wi) {
-    out.f = model.eval(*wi, wo);
-    out.target_density = density_of(*wi);
-  }
+  if (aim) out.f = aimed_share(aim->density, density_of(aim->wi)) * model.eval(aim->wi, wo);
   const double u = stream.uniform();
   if (u < p_mirror) {
     out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
@@ -126,9 +118,9 @@ class ClosedSurface final : public SurfaceScatter {
   [[nodiscard]] double uncollided(double, double, Direction w) const override {
     return transmits_ ? model_.uncollided(w) : 0;
   }
-  [[nodiscard]] Scattered scatter(double, double, Direction wo, const Direction* wi,
+  [[nodiscard]] Scattered scatter(double, double, Direction wo, const LightAim* aim,
                                   std::uint64_t seed, std::uint64_t number) const override {
-    return scatter_by(model_, transmits_, wo, wi, seed, number);
+    return scatter_by(model_, transmits_, wo, aim, seed, number);
   }
 
  private:
@@ -145,9 +137,9 @@ class MappedClosedSurface final : public SurfaceScatter {
   [[nodiscard]] double uncollided(double u, double v, Direction w) const override {
     return transmits_ ? places_.at(u, v).uncollided(w) : 0;
   }
-  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const LightAim* aim,
                                   std::uint64_t seed, std::uint64_t number) const override {
-    return scatter_by(places_.at(u, v), transmits_, wo, wi, seed, number);
+    return scatter_by(places_.at(u, v), transmits_, wo, aim, seed, number);
   }
 
  private:
@@ -162,17 +154,15 @@ class TabulatedSurface final : public SurfaceScatter {
   [[nodiscard]] bool transmits() const override { return false; }
   [[nodiscard]] double uncollided(double, double, Direction) const override { return 0; }
 
-  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const Direction* wi,
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const LightAim* aim,
                                   std::uint64_t seed, std::uint64_t number) const override {
     RandomStream stream = sample_stream(seed, number);
     const auto f = table_.towards(u, v, wo);
     const Rgb mirror = table_.specular ? table_.specular(u, v, wo) : Rgb();
     const double p_mirror = std::min(0.5, mirror.max());
     Scattered out;
-    if (wi && wi->z > 0) {
-      out.f = f(*wi);
-      out.target_density = (1 - p_mirror) * wi->z / kPi;
-    }
+    if (aim && aim->wi.z > 0)
+      out.f = aimed_share(aim->density, (1 - p_mirror) * aim->wi.z / kPi) * f(aim->wi);
     if (stream.uniform() < p_mirror) {
       out.next = Scattered::Next{{-wo.x, -wo.y, wo.z}, (1 / p_mirror) * mirror, {}};
     } else {

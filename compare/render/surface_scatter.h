@@ -9,13 +9,15 @@
 #include "analytic/model/model.h"
 #include "phase/stack/stack.h"
 #include "volume/plan/plan.h"
+#include "volume/run/viewed_walk.h"
 
 namespace lamella {
 
 /// What a surface does with light, seen from w_o.
 struct Scattered {
-  Rgb f{};                    ///< f(w_i, w_o) at the asked-for w_i, or an unbiased estimate of it
-  double target_density = 0;  ///< [1/sr] of `next` at that w_i, or what stands for it
+  /// The aimed share of f(w_i, w_o), or an unbiased estimate of it: q / (q + d) of the light, q the
+  /// density with which w_i was drawn, d that of `next` along the same path.
+  Rgb f{};
   /// The path's next direction.
   struct Next {
     Direction wi;
@@ -29,7 +31,7 @@ struct Scattered {
 };
 
 /// A surface for path tracing; any thread. Both strategies, aiming at w_i and following `next`,
-/// are combined by weights that depend on directions alone, so the densities need not be true ones:
+/// are combined by weights that depend on the path alone, so the densities need not be true ones:
 /// each is that of `next` where it is known, else a number that both share.
 class SurfaceScatter {
  public:
@@ -39,9 +41,9 @@ class SurfaceScatter {
   /// The share of light from w that passes without an event, whose directions `scatter` marks as
   /// straight; 0 where it marks none.
   [[nodiscard]] virtual double uncollided(double u, double v, Direction w) const = 0;
-  /// u, v: the place on the maps. wi: nullptr where nothing is aimed at. Directions are unit, in
+  /// u, v: the place on the maps. aim: nullptr where nothing is aimed at. Directions are unit, in
   /// the frame of the surface. number: of the walk, different for every call.
-  [[nodiscard]] virtual Scattered scatter(double u, double v, Direction wo, const Direction* wi,
+  [[nodiscard]] virtual Scattered scatter(double u, double v, Direction wo, const LightAim* aim,
                                           std::uint64_t seed, std::uint64_t number) const = 0;
 };
 

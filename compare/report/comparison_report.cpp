@@ -11,6 +11,7 @@
 #include "compare/report/json_report.h"
 #include "compare/report/lobe_files.h"
 #include "compare/report/map_error.h"
+#include "compare/report/texel_record.h"
 #include "compare/request/percent.h"
 #include "phase/math/degrees.h"
 #include "phase/math/luminance.h"
@@ -202,12 +203,15 @@ int write_comparison_files(const std::string& folder, const TruthRequest& reques
     ExrImage image = comparison_image(named, comparison.runs, m.lobes, to_request(*m.bound));
     if (!m.bound->object.empty())
       image.attributes["lamella.model_file"] = relative_to(m.bound->object, folder).string();
+    if (!m.bound->asked.empty()) image.attributes["lamella.model_asked"] = m.bound->asked;
+    record_texels(image, request, comparison.texel_ends);
     write(m.name, std::move(image));
     pictures += write_comparison_pictures(folder, m.name, m.label, request.stack.name,
                                           comparison.runs, m.lobes, formats);
   }
   ExrImage truth = simulation_image(named, comparison.runs);
   add_map_errors(truth, comparison.map_errors);
+  record_texels(truth, request, comparison.texel_ends);
   write("truth", std::move(truth));
   return pictures;
 }

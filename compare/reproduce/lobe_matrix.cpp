@@ -22,6 +22,18 @@ double value_at(const LobeMatrix& matrix, const LobeMatrix::Panel& panel, int in
   return panel.values[(static_cast<std::size_t>(incident) * 2 + side) * grid.cells() + relative];
 }
 
+// The panels' values of one side, of differences or not.
+std::vector<double> values_of(const LobeMatrix& matrix, int side, bool difference) {
+  std::vector<double> values;
+  const auto cells = static_cast<std::size_t>(matrix.grid.cells());
+  for (const LobeMatrix::Panel& panel : matrix.panels) {
+    if (panel.difference != difference) continue;
+    for (std::size_t k = 0; k < panel.values.size(); ++k)
+      if (k / cells % 2 == static_cast<std::size_t>(side)) values.push_back(panel.values[k]);
+  }
+  return values;
+}
+
 }  // namespace
 
 std::vector<MatrixDirection> matrix_directions(const CellGrid& grid) {
@@ -35,23 +47,18 @@ std::vector<MatrixDirection> matrix_directions(const CellGrid& grid) {
 std::string draw_lobe_matrix(const LobeMatrix& matrix, PictureFormat format) {
   const int count = static_cast<int>(matrix.panels.size()), cells = matrix.grid.cells();
   const int width = 2 * kMargin + count * kPanel + (count - 1) * kGap;
-  const int height = kHead + 2 * (kPanel + kLabel + kGap) + kColorBarHeight + kMargin;
+  const int row = kLabel + kPanel + kGap / 2 + kColorBarHeight + kGap / 2;
+  const int height = kHead + 2 * row + kMargin / 2;
   Canvas canvas(width, height, format);
   canvas.text(kMargin, 14, matrix.title, Font::title, Align::left, kInk);
   canvas.text(kMargin, 38, matrix.subtitle, Font::small, Align::left, kInk);
-  std::vector<double> magnitudes, differences;
-  for (const LobeMatrix::Panel& panel : matrix.panels) {
-    std::vector<double>& to = panel.difference ? differences : magnitudes;
-    to.insert(to.end(), panel.values.begin(), panel.values.end());
-  }
-  const ColorScale magnitude = magnitude_scale(magnitudes, {}, false);
-  const ColorScale difference = signed_scale(differences);
-  for (int k = 0; k < count; ++k) {
-    const LobeMatrix::Panel& panel = matrix.panels[k];
-    const ColorScale& scale = panel.difference ? difference : magnitude;
-    const int left = kMargin + k * (kPanel + kGap);
-    for (const int side : {0, 1}) {
-      const int top = kHead + side * (kPanel + kLabel + kGap);
+  for (const int side : {0, 1}) {
+    const ColorScale magnitude = magnitude_scale(values_of(matrix, side, false), {}, false);
+    const ColorScale difference = signed_scale(values_of(matrix, side, true));
+    for (int k = 0; k < count; ++k) {
+      const LobeMatrix::Panel& panel = matrix.panels[k];
+      const ColorScale& scale = panel.difference ? difference : magnitude;
+      const int left = kMargin + k * (kPanel + kGap), top = kHead + side * row;
       canvas.text(left, top - 4, panel.label + (side == 0 ? ", reflected" : ", transmitted"),
                   Font::small, Align::left, kInk);
       Raster raster(cells, cells);
@@ -59,8 +66,8 @@ std::string draw_lobe_matrix(const LobeMatrix& matrix, PictureFormat format) {
         for (int x = 0; x < cells; ++x)
           raster.set(x, y, scale.color(value_at(matrix, panel, y, side, x)));
       canvas.paint(raster, left, top + kLabel, kPanel, kPanel);
+      draw_color_bar(canvas, scale, left, top + kLabel + kPanel + kGap / 2, kPanel, {});
     }
-    draw_color_bar(canvas, scale, left, height - kColorBarHeight - kMargin / 2, kPanel, {});
   }
   return canvas.bytes();
 }

@@ -23,8 +23,8 @@ struct LobeMatrix {
 
 /// The file's bytes: the upper row is reflection, the lower one transmission. In each panel rows
 /// are the incident directions, from the normal down and by azimuth within a step of mu^2, columns
-/// the outgoing cells in the same order, azimuths absolute. Magnitudes share one scale. Equal input
-/// gives equal bytes. Throws PictureError without Cairo.
+/// the outgoing cells in the same order, azimuths absolute. Magnitudes of a side share a scale.
+/// Equal input gives equal bytes. Throws PictureError without Cairo.
 [[nodiscard]] std::string draw_lobe_matrix(const LobeMatrix& matrix, PictureFormat format);
 
 /// The incident directions of such a matrix: at the middle of every step of mu^2, and at azimuths

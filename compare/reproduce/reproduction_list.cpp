@@ -1,6 +1,7 @@
 #include "compare/reproduce/reproduction_list.h"
 
 #include <algorithm>
+#include <string>
 
 #include "compare/reproduce/eon_figures.h"
 #include "compare/reproduce/lambert_sphere_figures.h"
@@ -11,12 +12,29 @@
 
 namespace lamella {
 
+namespace {
+
+// "spongecake_figure_7": 7.
+int number_of(const Reproduction& figure) {
+  return std::stoi(figure.name.substr(figure.name.rfind('_') + 1));
+}
+
+// Both lists of one paper, by the figures' numbers.
+std::vector<Reproduction> all_spongecake_figures() {
+  std::vector<Reproduction> list = spongecake_figures();
+  for (const Reproduction& figure : spongecake_lobe_figures()) list.push_back(figure);
+  std::sort(list.begin(), list.end(),
+            [](const auto& a, const auto& b) { return number_of(a) < number_of(b); });
+  return list;
+}
+
+}  // namespace
+
 const std::vector<Reproduction>& reproductions() {
   static const std::vector<Reproduction> all = [] {
     std::vector<Reproduction> list;
-    for (const auto& figures :
-         {vmf_figures(), lambert_sphere_figures(), eon_figures(), micrograin_figures(),
-          spongecake_figures(), spongecake_lobe_figures()})
+    for (const auto& figures : {vmf_figures(), lambert_sphere_figures(), eon_figures(),
+                                micrograin_figures(), all_spongecake_figures()})
       list.insert(list.end(), figures.begin(), figures.end());
     return list;
   }();

@@ -52,9 +52,10 @@ PreviewColumn walked_sphere(const ReproductionContext& context, Direction lamp, 
     const ViewedStack viewed(flakes_along(frame.to_local(bumped(n, strength)), roughness));
     const Direction wi = frame.to_local(lamp), wo = frame.to_local(Direction{0, 0, 1});
     if (!(wo.z > 0)) return Rgb();
+    const LightAim aim{wi};
     Rgb sum;
     for (std::uint64_t k = 0; k < walks; ++k)
-      sum += viewed.follow(wo, &wi, context.seed, first + k).f;
+      sum += viewed.follow(wo, &aim, context.seed, first + k).f;
     return kPi * wi.z / static_cast<double>(walks) * sum;
   });
 }

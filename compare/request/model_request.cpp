@@ -198,6 +198,12 @@ std::string to_request(const BoundModel& model) {
   return text;
 }
 
+std::string request_text(const ModelRequest& request) {
+  std::string text = request.name;
+  for (const auto& [key, value] : request.values) text += fmt::format(",{}={}", key, value);
+  return text;
+}
+
 std::vector<ModelRequest> requests_for(const std::vector<ModelRequest>& requests,
                                        const Stack& stack) {
   if (!requests.empty()) return requests;

@@ -39,6 +39,9 @@ struct BoundModel {
   /// words.
   std::map<std::string, std::string> sources{};
   std::string object{};  ///< path of the shared object that it comes from; empty: built in
+  /// Of a mean over texels: NAME[,key=value...] that every texel's own model was asked for by, as
+  /// `parameters` are means. Else empty.
+  std::string asked{};
 };
 
 /// The shared objects that the models come from.
@@ -84,6 +87,8 @@ void check_request(const ModelRequest& request);
 
 /// The model as --model takes it: NAME,key=value,...
 [[nodiscard]] std::string to_request(const BoundModel& model);
+/// The same of a request: what it was asked for by.
+[[nodiscard]] std::string request_text(const ModelRequest& request);
 
 /// Reads key=value texts by a list of parameters, defaults filled in. `what` is named in errors.
 [[nodiscard]] Parameters read_parameters(const std::string& what,

@@ -30,6 +30,10 @@ class ModelLaw : public SurfaceLaw {
     return Sample{*wo, (wo->z / density) * model_->eval(wi, *wo)};
   }
 
+  [[nodiscard]] double density(Direction wi, Direction wo) const override {
+    return model_->pdf(wo, wi);
+  }
+
  private:
   std::shared_ptr<const Model> model_;
 };

@@ -52,6 +52,8 @@ struct TruthRequest {
     std::optional<int> integrated_from{};
   };
   std::optional<SolverEnd> solver_end{};
+  /// The same of each of the texels. Empty: not recorded.
+  std::vector<SolverEnd> texel_ends{};
   CellGrid cells{};  ///< per hemisphere
   std::uint64_t seed = 1;
   Isa isa = Isa::scalar;

@@ -43,6 +43,24 @@ double worst_bound(const std::vector<RunResult>& solved) {
   return worst;
 }
 
+// Where the solver ended, as files record it.
+TruthRequest::SolverEnd solver_end(const RunResult& run) {
+  const DeterministicAccuracy& a = *run.accuracy;
+  return {a.nodes, a.channel_modes,
+          a.harmonics > 0 ? std::optional(a.integrated_from) : std::nullopt};
+}
+
+std::string short_of_target(const RunResult& run, const TexelWalks& walked, double target) {
+  std::string text = fmt::format(
+      "theta_i {:g}: relative error {:.2g} of the mean over the map after {} walks, "
+      "short of --target-error {}",
+      theta_degrees(run.incident), walked.error, run.walks, to_text(target));
+  return walked.of_texels >= target
+             ? text +
+                   fmt::format("; differences between texels leave {:.2g} of it", walked.of_texels)
+             : text + "; raise --walks";
+}
+
 }  // namespace
 
 std::optional<std::string> why_order_one_is_wrong(const RunResult& run) {
@@ -105,6 +123,12 @@ std::string GroundTruth::choice_bytes() const {
   out.put(static_cast<std::uint64_t>(solved_.size()));
   for (const RunResult& run : solved_) out.put_text(to_bytes(run));
   for (const RunResult& run : map_errors_) out.put_text(to_bytes(run));
+  out.put(static_cast<std::uint64_t>(texel_ends_.size()));
+  for (const TruthRequest::SolverEnd& end : texel_ends_) {
+    out.put(static_cast<std::int32_t>(end.nodes));
+    for (const int count : end.modes) out.put(static_cast<std::int32_t>(count));
+    out.put(static_cast<std::int32_t>(end.integrated_from.value_or(-1)));
+  }
   return out.take();
 }
 
@@ -121,6 +145,16 @@ void GroundTruth::restore_choice(std::string_view bytes) {
   std::vector<RunResult> errors;
   if (!request_.texels.empty())
     for (std::uint64_t k = 0; k < count; ++k) errors.push_back(run_from_bytes(in.get_text()));
+  const auto ended = in.get<std::uint64_t>();
+  if (ended > (count > 0 ? request_.texels.size() : 0))
+    throw DamagedBytes("it has more solved texels than there are");
+  std::vector<TruthRequest::SolverEnd> ends;
+  for (std::uint64_t k = 0; k < ended; ++k) {
+    TruthRequest::SolverEnd end{in.get<std::int32_t>(), {}, std::nullopt};
+    for (int& modes : end.modes) modes = in.get<std::int32_t>();
+    if (const auto from = in.get<std::int32_t>(); from >= 0) end.integrated_from = from;
+    ends.push_back(end);
+  }
   in.end();
   CellGrid grid = request_.cells;
   grid.folded = plan_.folded && grid.phi_cells % 2 == 0;
@@ -131,6 +165,7 @@ void GroundTruth::restore_choice(std::string_view bytes) {
   choice_ = std::move(choice);
   solved_ = std::move(solved);
   map_errors_ = std::move(errors);
+  texel_ends_ = std::move(ends);
 }
 
 void GroundTruth::choose() {
@@ -176,6 +211,7 @@ bool GroundTruth::solve_texels(const std::vector<std::size_t>& first_equal) {
   RunMonitor of_texel{.stop = monitor_.stop, .solver = monitor_.solver};
   SolvedTexels texels;
   std::map<std::size_t, std::vector<RunResult>> solved;
+  std::vector<TruthRequest::SolverEnd> ends;
   double seconds = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t first = first_equal[k];
@@ -189,6 +225,7 @@ bool GroundTruth::solve_texels(const std::vector<std::size_t>& first_equal) {
       solved[k] = std::move(one.solved_);
     }
     texels.add(solved.at(first));
+    ends.push_back(solver_end(solved.at(first).front()));
     if (last_use[first] == k) solved.erase(first);
   }
   if (monitor_.solver && monitor_.finished) monitor_.finished();
@@ -198,6 +235,7 @@ bool GroundTruth::solve_texels(const std::vector<std::size_t>& first_equal) {
   solved_ = texels.mean();
   for (RunResult& run : solved_) run.seconds = seconds / static_cast<double>(solved_.size());
   map_errors_ = texels.map_errors();
+  texel_ends_ = std::move(ends);
   choice_ = EstimatorChoice{
       Estimator::deterministic,
       request_.estimator
@@ -294,6 +332,8 @@ Truth GroundTruth::find(std::size_t k, std::optional<std::uint64_t> walks) {
     truth.run = reduce(*truth.batches);
     truth.run.seconds = walked.seconds;
     if (is_stopped()) monitor_.warn("interrupted: a part of the map has no walks");
+    if (of_texels.target_error && walked.error > *of_texels.target_error && !is_stopped())
+      monitor_.warn(short_of_target(truth.run, walked, *of_texels.target_error));
     return truth;
   }
   truth.batches = std::make_unique<Simulation>(request_.stack, plan_, wi, estimator, request_.cells,

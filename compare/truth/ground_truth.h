@@ -40,6 +40,11 @@ class GroundTruth {
   /// Whether the monitor's flag is set: the truth is then less complete than what was asked for.
   [[nodiscard]] bool is_stopped() const { return monitor_.is_stopped(); }
   [[nodiscard]] const StopFlag* stop() const { return monitor_.stop; }
+  /// Of a mean over texels that were solved: the nodes and modes at which each ended, of those that
+  /// were solved before a stop. Empty where walks answer, and before choice().
+  [[nodiscard]] const std::vector<TruthRequest::SolverEnd>& texel_ends() const {
+    return texel_ends_;
+  }
 
   /// The estimator and why it was chosen; the first call may solve the stack.
   [[nodiscard]] const EstimatorChoice& choice();
@@ -57,7 +62,7 @@ class GroundTruth {
   void choose();
   // The same where the truth is the mean over a map.
   void choose_for_texels();
-  // The mean of the solved texels, or nothing where one of them is better walked.
+  // The mean of the solved texels; false where one of them is better walked.
   [[nodiscard]] bool solve_texels(const std::vector<std::size_t>& first_equal);
   // The choice and what was solved with it, as a keeper has them.
   [[nodiscard]] std::string choice_bytes() const;
@@ -75,6 +80,7 @@ class GroundTruth {
   std::optional<EstimatorChoice> choice_;
   std::vector<RunResult> solved_;      // one per direction, once the solver was used
   std::vector<RunResult> map_errors_;  // beside them, of a mean over a map
+  std::vector<TruthRequest::SolverEnd> texel_ends_;
   FirstLook look_;
 };
 

@@ -125,6 +125,15 @@ std::function<Rgb(Direction)> LobeTable::rest_towards(const Sector& sector, Dire
 
 // Away from the limit: where both directions graze, single scattering has none.
 std::function<Rgb(Direction)> LobeTable::towards(Direction wo) const {
+  if (!shares_.empty()) {
+    std::vector<std::pair<double, std::function<Rgb(Direction)>>> parts;
+    for (const Share& s : shares_) parts.emplace_back(s.share, s.table->towards(wo));
+    return [parts = std::move(parts)](Direction wi) {
+      Rgb sum(0);
+      for (const auto& [share, f] : parts) sum += share * f(wi);
+      return sum;
+    };
+  }
   return [this, o = raised_to(wo, Grid::kLeastMu), rest = rest_towards(wo)](Direction wi) {
     return closed(raised_to(wi, Grid::kLeastMu), o) + rest(wi);
   };
@@ -159,7 +168,30 @@ Rgb LobeTable::closed_of(const Stack& drawn, Direction wi, Direction wo) const {
   return {};
 }
 
+LobeTable LobeTable::mean(std::vector<Share> shares, std::string source) {
+  LobeTable table;
+  table.shares_ = std::move(shares);
+  table.source_ = std::move(source);
+  return table;
+}
+
+bool LobeTable::has_specular() const {
+  return stack_.has_boundaries() || std::any_of(shares_.begin(), shares_.end(), [](const Share& s) {
+           return s.table->has_specular();
+         });
+}
+
+bool LobeTable::has_azimuth() const {
+  return tables_.size() > 1 || std::any_of(shares_.begin(), shares_.end(),
+                                           [](const Share& s) { return s.table->has_azimuth(); });
+}
+
 Rgb LobeTable::specular(Direction wo) const {
+  if (!shares_.empty()) {
+    Rgb sum(0);
+    for (const Share& s : shares_) sum += s.share * s.table->specular(wo);
+    return sum;
+  }
   return mirrored_share(stack_, raised_to(wo, Grid::kLeastMu));
 }
 
@@ -407,7 +439,8 @@ LobeTable LobeTable::make(const TruthRequest& request, const StopFlag* stop,
   return table;
 }
 
-void check_preview(const std::string& what, const Stack& stack) {
+void check_preview(const std::string& what, const Stack& stack, const std::vector<Stack>& texels) {
+  for (const Stack& texel : texels) check_preview(what, texel);
   const bool leans = std::any_of(stack.layers.begin(), stack.layers.end(), [](const Layer& layer) {
     const Direction n = traits(layer.medium).mean_normal.value;
     return !layer.interface && (n.x != 0 || n.y != 0);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,7 +63,7 @@ class LobeTable {
   /// The share of light from w_o that leaves along its mirror image as a delta, which is no part of
   /// f.
   [[nodiscard]] Rgb specular(Direction wo) const;
-  [[nodiscard]] bool has_specular() const { return stack_.has_boundaries(); }
+  [[nodiscard]] bool has_specular() const;
 
   /// Tables of several stacks are interpolated in two parts: what of f is closed, of any of these
   /// stacks, and what each table has beside it. `drawn`: by drawn_stack. The kind of what is closed
@@ -77,7 +78,7 @@ class LobeTable {
   [[nodiscard]] const std::string& source() const { return source_; }
 
   /// Whether f depends on the azimuth of w_o.
-  [[nodiscard]] bool has_azimuth() const { return tables_.size() > 1; }
+  [[nodiscard]] bool has_azimuth() const;
   static constexpr int kSectors = 16;
 
   /// By adding and doubling, or in spherical harmonics where the stack is not symmetric about z,
@@ -86,6 +87,14 @@ class LobeTable {
   /// solver's. For stacks that `check_preview` lets pass.
   [[nodiscard]] static LobeTable make(const TruthRequest& request, const StopFlag* stop,
                                       const SolverReport& report = {});
+
+  /// The mean of tables, each with its share of 1; `source`: of all of them. It is seen by
+  /// `towards` and `specular`; the two parts of f that tables are interpolated in are the tables'.
+  struct Share {
+    std::shared_ptr<const LobeTable> table;
+    double share;
+  };
+  [[nodiscard]] static LobeTable mean(std::vector<Share> shares, std::string source);
 
  private:
   // What of f is known in closed form; the table has the rest.
@@ -126,11 +135,14 @@ class LobeTable {
   std::vector<Sector> tables_{1};  // one, or kSectors
   SectorSymmetry symmetry_{};
   std::string source_;
+  std::vector<Share> shares_{};  // of a mean, which has nothing else
 };
 
 /// Throws UsageError, which names `what` asked for the table, for a stack whose reflection the
 /// table cannot hold: one that is explicit geometry, has a grid, one-sided flakes whose mean normal
-/// is not vertical, or a substrate whose closed form is not reciprocal.
-void check_preview(const std::string& what, const Stack& stack);
+/// is not vertical, or a substrate whose closed form is not reciprocal. `texels`: stacks whose mean
+/// is drawn in its place, if there are any.
+void check_preview(const std::string& what, const Stack& stack,
+                   const std::vector<Stack>& texels = {});
 
 }  // namespace lamella

@@ -77,7 +77,6 @@ void check_texel_mean(const TruthRequest& request) {
         "homogeneous layers (--at U,V takes one place)",
         found));
   };
-  if (request.effort.target_error) refuse("--target-error");
   for (const Stack& texel : request.texels) {
     if (texel.grains()) refuse("explicit geometry");
     if (texel.has_grid()) refuse("a density grid");
@@ -91,6 +90,8 @@ TruthRequest request_of_texel(const TruthRequest& request, std::size_t texel, do
   TruthRequest of_texel = request;
   of_texel.stack = request.texels[texel];
   of_texel.texels.clear();
+  of_texel.texel_ends.clear();
+  if (!request.texel_ends.empty()) of_texel.solver_end = request.texel_ends[texel];
   if (of_texel.effort.seconds) *of_texel.effort.seconds *= share;
   return of_texel;
 }
@@ -117,14 +118,16 @@ Plan texel_plan(const TruthRequest& request) {
 namespace {
 
 // The walks of the texels whose batches are in the simulation's range, added to these batches.
-void walk_into(Simulation& all, const TruthRequest& request, std::uint64_t walks,
+// Whether all texels had theirs.
+bool walk_into(Simulation& all, const TruthRequest& request, std::uint64_t walks,
                const std::function<std::unique_ptr<Simulation>(std::size_t)>& simulation_of,
                const RunMonitor& monitor) {
   const std::size_t count = request.texels.size();
   const BatchRange range = all.range();
   std::vector<BatchTally> batches(kBatches);
   std::uint64_t done = 0;
-  for (std::size_t k = 0; k < count && !(monitor.is_stopped() && k > 0); ++k) {
+  std::size_t k = 0;
+  for (; k < count && !(monitor.is_stopped() && k > 0); ++k) {
     const int own = static_cast<int>(k % kBatches);
     done += walks;
     if (own < range.first || own >= range.end) continue;
@@ -140,6 +143,32 @@ void walk_into(Simulation& all, const TruthRequest& request, std::uint64_t walks
     all.restore(b, std::move(batches[static_cast<std::size_t>(b)]), "");
   }
   all.restore_walks(done);
+  return k == count;
+}
+
+// Rounds of 1, 2, 4, ... walks per batch and texel, `most` per texel at most, until one of them
+// reaches the target; a round that is stopped leaves the one before it.
+TexelWalks walk_to_target(const TruthRequest& request, double target, std::uint64_t most,
+                          const std::function<std::unique_ptr<Simulation>(std::size_t)>& simulation,
+                          const RunMonitor& monitor) {
+  TexelWalks reached{};
+  for (std::uint64_t walks = std::min<std::uint64_t>(kBatches, most);;
+       walks = std::min(2 * walks, most)) {
+    auto round = simulation(0);
+    const bool whole = walk_into(*round, request, walks, simulation, monitor);
+    if (!whole && reached.batches) {
+      reached.is_whole = false;
+      return reached;
+    }
+    reached.is_whole = whole;
+    const double before = reached.error, error = largest_relative_error(*round);
+    reached.batches = std::move(round);
+    reached.error = error;
+    // error^2 is what texels leave plus what walks do, and the latter half of what it was.
+    reached.of_texels =
+        before > 0 ? std::sqrt(std::max(0.0, 2 * error * error - before * before)) : 0;
+    if (!whole || error <= target || walks == most) return reached;
+  }
 }
 
 }  // namespace
@@ -157,6 +186,7 @@ TexelWalks walk_texels(const TruthRequest& request, const Plan& plan, Direction 
   if (monitor.keeper)
     if (const RunKeeper::Found found = monitor.keeper->begin(*all); found.done)
       return {std::move(all), found.seconds};
+  TexelWalks walked{};
   const auto count = static_cast<double>(texels.size());
   std::uint64_t walks = whole_batches(static_cast<double>(rule.walks) / count);
   const double seconds = wall_seconds_of([&] {
@@ -164,14 +194,22 @@ TexelWalks walk_texels(const TruthRequest& request, const Plan& plan, Direction 
       const auto pilot = simulation_of(texels.size() / 2);
       StopRule share = rule;
       share.walks = walks;
-      share.seconds = *rule.seconds / count;
+      // Rounds take as long again as the last of them.
+      share.seconds = *rule.seconds / count / (rule.target_error ? 2 : 1);
+      share.target_error.reset();
       run(*pilot, share, {}, monitor.stop);
       walks = std::min(walks, whole_batches(static_cast<double>(pilot->walks())));
     }
-    walk_into(*all, request, walks, simulation_of, monitor);
+    if (rule.target_error) {
+      walked = walk_to_target(request, *rule.target_error, walks, simulation_of, monitor);
+    } else {
+      walked.is_whole = walk_into(*all, request, walks, simulation_of, monitor);
+      walked.batches = std::move(all);
+    }
   });
-  if (monitor.keeper && all->walks() == walks * texels.size()) monitor.keeper->end(*all, seconds);
-  return {std::move(all), seconds};
+  walked.seconds = seconds;
+  if (monitor.keeper && walked.is_whole) monitor.keeper->end(*walked.batches, seconds);
+  return walked;
 }
 
 }  // namespace lamella

@@ -31,6 +31,10 @@ class Conductor : public SurfaceLaw {
 
   [[nodiscard]] Rgb eval(Direction wi, Direction wo, RandomStream& stream) const override;
   [[nodiscard]] std::optional<Sample> sample(Direction wi, RandomStream& stream) const override;
+  /// Of one reflection, whatever comes after it.
+  [[nodiscard]] double density(Direction wi, Direction wo) const override {
+    return single_density(wi, wo);
+  }
   [[nodiscard]] bool is_delta() const override {
     return setting_.facets.shape == FacetShape::smooth;
   }

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "phase/math/color.h"
+#include "phase/math/direction.h"
 #include "phase/math/vec3.h"
 #include "phase/random/random.h"
 
@@ -27,6 +28,9 @@ class SurfaceLaw {
   [[nodiscard]] virtual Rgb eval(Direction wi, Direction wo, RandomStream& stream) const = 0;
   /// A direction for light that arrived from w_i, or nothing: then the light is absorbed.
   [[nodiscard]] virtual std::optional<Sample> sample(Direction wi, RandomStream& stream) const = 0;
+  /// The density [1/sr] with which sample(w_i) gives w_o, or a number that rises and falls with it:
+  /// a weight between two ways to find the same light, which need not be exact.
+  [[nodiscard]] virtual double density(Direction, Direction wo) const { return wo.z / kPi; }
   /// Whether w_o is the mirror image of w_i and no other.
   [[nodiscard]] virtual bool is_delta() const { return false; }
   /// Whether eval() is an estimate rather than f itself.

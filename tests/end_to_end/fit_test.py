@@ -149,6 +149,9 @@ class FitsOfStacks(ProgramTest):
             self.assertAlmostEqual(found[name], value, delta=2e-3)
         self.assertLess(fit["relative_rmse"], 1e-3)
         self.assertIn("solved with", fit["lobes_by"])
+        # Along other directions as well, of which none was fitted to.
+        self.assertEqual(len(answer["held_out"]), 1)
+        self.assertLess(fit["held_out_relative_rmse"], 1e-3)
         text = (self.folder / "found.toml").read_text()
         self.assertEqual(text, fit["stack"])
         lobes = self.json_of("simulate", "found.toml", "--wi", "60", "--quiet")
@@ -165,6 +168,19 @@ class FitsOfStacks(ProgramTest):
         self.assertAlmostEqual(self.values(answer)["layer.0.albedo"], 0.8, delta=2e-3)
         self.assertIn("20000 walks per direction with the same random numbers", fit["lobes_by"])
         self.assertGreater(fit["noise"], 0)
+        # Held out, both have walks of their own: what is left is noise, which is taken off.
+        self.assertLess(fit["held_out_relative_rmse"], fit["noise"])
+
+    def test_judge_stacks_of_another_kind_along_other_directions(self):
+        # Isotropic scattering is no Lambert sphere: off where it was fitted and where it was not.
+        self.write("truth.toml", self.SPHERES % ("0.8", 0.7))
+        self.write("start.toml", '[[layer]]\nmedium = "henyey_greenstein"\ng = 0\nthickness = 1\n'
+                                 '[substrate]\nbsdf = "lambert"\nalbedo = 0.3\n')
+        words = ["fit", "truth.toml", "--stack", "start.toml", *self.VARY, "--grid", "4x8"]
+        fit = self.json_of(*words, "--wi", "10", "--wi", "60", "--quiet")["models"][0]
+        self.assertGreater(fit["relative_rmse"], 0.02)
+        self.assertGreater(fit["held_out_relative_rmse"], 0.5 * fit["relative_rmse"])
+        self.assertIn("held out: without noise", self.lamella(*words, "--wi", "60").out)
 
     def test_answer_a_material_and_closed_forms(self):
         # Lambert's law of albedo 0.4 below spheres that are as good as not there.

@@ -48,6 +48,14 @@ class ARunIsRepeatedBitByBit(ProgramTest):
         self.repeated("out/truth.exr")
         self.repeated("out/lambert_sphere.exr")
 
+    def test_of_the_solver_to_the_last_digit_of_its_bounds(self):
+        # Bounds are differences of nearly equal numbers: kernels have to be made as many at once.
+        self.write("haze.toml", '[[layer]]\nmedium = "henyey_greenstein"\ng = 0.3\nthickness = 2\n'
+                                'albedo = 0.20000000298023224\n')
+        self.lamella("simulate", "haze.toml", "--wi", "30", "--wi", "60", "--estimator", "deterministic", "--quiet", "-o",
+                     "haze.exr")
+        self.repeated("haze.exr")
+
     def test_of_the_solver_whatever_ended_its_refinement(self):
         # Asked for, and ended by the clock, which a repeated run takes no notice of.
         for file, *options in (("asked.exr", "--tolerance", "1e-4"),

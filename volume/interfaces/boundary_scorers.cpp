@@ -18,8 +18,9 @@ BoundaryNextEvent<C>::BoundaryNextEvent(const BoundaryStack& stack, const CellTa
 
 template <int C>
 BoundaryNextEvent<C>::BoundaryNextEvent(const BoundaryStack& stack,
-                                        const std::vector<Direction>& points, BatchTally& tally)
-    : stack_(stack), tally_(tally), count_(points.size()), ways_(stack, true) {
+                                        const std::vector<Direction>& points, BatchTally& tally,
+                                        AimedShare share)
+    : stack_(stack), tally_(tally), share_(share), count_(points.size()), ways_(stack, true) {
   for (const Direction& w : points) {
     x_.push_back(w.x);
     y_.push_back(w.y);
@@ -58,7 +59,10 @@ void BoundaryNextEvent<C>::substrate(const std::array<double, C>& weight,
   const ExitPaths::Ends& ends = ways().at_substrate();
   double* sums = sums_of(order);
   for (std::size_t j = 0; j < ends.count(); ++j) {
-    const double transport = lambert_radiance(ends.through[j]);
+    const double share = share_.of([&] {
+      return kLambertSubstrate.density({0, 0, ends.z[j]}).density;
+    });
+    const double transport = share * lambert_radiance(ends.through[j]);
     for (int c = 0; c < C; ++c)
       sums[c * count_ + ends.target[j]] += weight[c] * albedo[c] * transport;
   }
@@ -71,7 +75,8 @@ void BoundaryNextEvent<C>::substrate(const std::array<double, C>& weight, const 
   double* sums = sums_of(order);
   double checksum = 0;
   for (std::size_t j = 0; j < ends.count(); ++j) {
-    const Rgb f = law.eval(wi, {ends.x[j], ends.y[j], ends.z[j]}, stream);
+    const Direction w{ends.x[j], ends.y[j], ends.z[j]};
+    const Rgb f = share_.of([&] { return law.density(wi, w); }) * law.eval(wi, w, stream);
     for (int c = 0; c < C; ++c) {
       checksum += f[c];
       sums[c * count_ + ends.target[j]] += weight[c] * f[c] * ends.through[j];
@@ -90,7 +95,8 @@ bool BoundaryNextEvent<C>::interface(int boundary, const Dielectric& at, Directi
   const auto send = [&](Direction w, double through, int target, std::uint64_t mirrors,
                         const std::array<double, 3>& mirrored) {
     if (!(through > 0) || order + mirrors > stack_.max_order) return;
-    const double f = at.eval(wi, w, stream) * through;
+    const double share = share_.of([&] { return at.single_density(wi, w); });
+    const double f = share * at.eval(wi, w, stream) * through;
     checksum += f;
     double* sums = sums_of(order + mirrors);
     for (int c = 0; c < C; ++c) sums[c * count_ + target] += weight[c] * f * mirrored[c];

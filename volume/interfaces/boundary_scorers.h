@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -31,13 +32,33 @@ struct UnaimedAtBoundaries : Base {
 /// events: kWalksPerWay walks of a batch share them.
 inline constexpr std::uint64_t kWalksPerWay = 8;
 
+/// The part of the light along each target that next-event estimation counts where the walk's own
+/// departures count the rest: `aimed` is the density [1/sr] with which the target was drawn. The
+/// shares depend on the path alone, by the density of the direction that it takes at the event
+/// that is scored; those of both ways are 1 together.
+struct AimedShare {
+  /// What stands for the density of walks beside that of one event's direction: most light is found
+  /// after several of them.
+  static constexpr double kWalks = 2;
+  double aimed = std::numeric_limits<double>::infinity();  ///< all light is counted where it is
+
+  /// Of departures, for the event's density.
+  [[nodiscard]] static double walked(double density) { return kWalks + density; }
+  /// Of what is aimed; density(): as above, asked for where the share is no 1.
+  template <class Density>
+  [[nodiscard]] double of(const Density& density) const {
+    return aimed < std::numeric_limits<double>::infinity() ? 1 / (1 + walked(density()) / aimed)
+                                                           : 1;
+  }
+};
+
 template <int C>
 class BoundaryNextEvent {
  public:
   BoundaryNextEvent(const BoundaryStack& stack, const CellTargets& cells, BatchTally& tally);
-  /// Values at given directions, mu != 0; those that go up first.
+  /// Values at given directions, mu != 0; those that go up first. `share`: of all of them.
   BoundaryNextEvent(const BoundaryStack& stack, const std::vector<Direction>& points,
-                    BatchTally& tally);
+                    BatchTally& tally, AimedShare share = {});
 
   void begin_walk(std::uint64_t seed, std::uint64_t index);
 
@@ -58,7 +79,9 @@ class BoundaryNextEvent {
       const double way = wo.z > 0 ? y : l.depth - y;
       const double tau = s.rate[j] > 0 ? way * s.rate[j] : 0;
       const PhaseValue p = lobe.density(wo);
-      const double transport = p.density * std::exp(-tau) * s.through[j] / std::abs(wo.z);
+      const double share_aimed = share_.of([&] { return p.density; });
+      const double transport =
+          share_aimed * p.density * std::exp(-tau) * s.through[j] / std::abs(wo.z);
       checksum += transport;
       for (int c = 0; c < C; ++c) {
         double share = weight[c] * l.albedo[c] * transport;
@@ -94,6 +117,7 @@ class BoundaryNextEvent {
   const BoundaryStack& stack_;
   const CellTargets* cells_ = nullptr;
   BatchTally& tally_;
+  AimedShare share_;
   std::optional<CellDirections> redrawn_;
   std::size_t count_;
   std::vector<double> x_, y_, z_, inverse_mu_;

@@ -35,6 +35,13 @@ void leave(const PathWeight<C>& weight, EnergySums& energy, bool down, bool pass
   }
 }
 
+/// Tells a scorer that asks for it along which direction the event goes on that it has just scored:
+/// density() is that direction's [1/sr], given what the event had drawn.
+template <class Scorer, class Density>
+void tell_course(Scorer& scorer, const Density& density) {
+  if constexpr (requires { scorer.goes_on(0.0); }) scorer.goes_on(density());
+}
+
 }  // namespace boundary_detail
 
 /// Follows one walk of light from w_i through a stack with interfaces, like walk() in walk.h:
@@ -43,7 +50,8 @@ void leave(const PathWeight<C>& weight, EnergySums& energy, bool down, bool pass
 /// Scorer: collision() and substrate() as events that can be aimed; sees_mirrors(), whether these
 /// count what a mirror as substrate makes of the light; interface(), for a rough
 /// boundary that light meets when nothing has been scored yet, answers whether it scored;
-/// leave(w_o, weight, order, open).
+/// leave(w_o, weight, order, open); goes_on(density), if there is such, after each event that was
+/// scored, with the density of the direction that the walk takes there.
 template <int C, class Scorer>
 void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std::uint64_t seed,
                              std::uint64_t index, Scorer& scorer, BatchTally& tally) {
@@ -80,11 +88,16 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
           lost[c] = sample ? sample->lost[c] : 0;
         }
         wo = sample ? sample->wo : wi;
+        if (!stack.law->is_delta())
+          boundary_detail::tell_course(scorer, [&] { return stack.law->density(wi, wo); });
       } else {
         met = {false, false};
         for (int c = 0; c < C; ++c) kept[c] = stack.substrate_albedo[c];
         scorer.substrate(weight.value, kept, order);
         wo = kLambertSubstrate.sample(stream).wo;
+        boundary_detail::tell_course(scorer, [&] {
+          return kLambertSubstrate.density({0, 0, wo.z}).density;
+        });
       }
       for (int c = 0; c < C; ++c) {
         energy.lost[c] += lost[c] * weight.value[c];
@@ -94,12 +107,17 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
       if (stack.thinning.halves_at(order) && !weight.is_spared(energy, stream)) break;
       wi = -wo;
     } else if (const auto& interface = stack.boundaries[boundary]) {
+      bool scored = false;
       if (!interface->is_smooth()) {
-        if (met.open && scorer.interface(boundary, *interface, wi, weight.value, order, stream))
-          met.open = false;
+        scored =
+            met.open && scorer.interface(boundary, *interface, wi, weight.value, order, stream);
+        if (scored) met.open = false;
         met.only_delta = false;
       }
       const Dielectric::Scattered scattered = interface->scatter(wi, stream);
+      if (scored)
+        boundary_detail::tell_course(scorer,
+                                     [&] { return interface->single_density(wi, scattered.wo); });
       if (scattered.kept < 1 && stream.uniform() >= scattered.kept) {
         weight.add_to(energy.lost);
         break;
@@ -160,6 +178,9 @@ void walk_through_boundaries(const BoundaryStack& stack, Direction incident, std
               scorer.collision(l, layer, y, event, weight.value, order);
             }
             const Scatter scatter = event.sample(stream);
+            if (!medium.is_delta())
+              boundary_detail::tell_course(scorer,
+                                           [&] { return event.density(scatter.wo).density; });
             const auto kept = kept_shares<C>(l.albedo, l, scatter.schlick);
             if (!weight.survives(kept, order, energy, stream)) return false;
             wi = -scatter.wo;

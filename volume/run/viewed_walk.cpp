@@ -21,19 +21,21 @@ class Departing : public Base {
   using Base::Base;
 
   void leave(Direction, const std::array<double, 3>&, std::uint64_t, bool open) { aimed_ = !open; }
+  void goes_on(double density) { density_ = density; }
   void departs(Direction wo, const std::array<double, 3>& weight, std::uint64_t order, bool) {
-    departure_ = {wo, {weight[0], weight[1], weight[2]}, true, order == 0};
+    departure_ = {wo, {weight[0], weight[1], weight[2]}, {}, order == 0};
   }
   [[nodiscard]] std::optional<ViewedLight::Departure> departure() const {
     if (!departure_) return std::nullopt;
     ViewedLight::Departure found = *departure_;
-    found.unaimed = !aimed_;
+    if (aimed_) found.density = AimedShare::walked(density_);
     return found;
   }
 
  private:
   std::optional<ViewedLight::Departure> departure_;
   bool aimed_ = false;
+  double density_ = 0;  // of the direction taken at the last event that was scored
 };
 
 // Aims nothing, but knows what could have been aimed.
@@ -93,22 +95,23 @@ double ViewedStack::uncollided(Direction w) const {
   return content_->passes ? content_->stack.uncollided(w) : 0;
 }
 
-ViewedLight ViewedStack::follow(Direction wo, const Direction* wi, std::uint64_t seed,
+ViewedLight ViewedStack::follow(Direction wo, const LightAim* aim, std::uint64_t seed,
                                 std::uint64_t number) const {
   BatchTally tally;
   ViewedLight light;
   const std::uint64_t index = number * kWalkStride;
   const double through = wo.z > 0 ? content_->gain : 1 / content_->gain;
-  if (wi) {
+  if (aim) {
     const auto slots = static_cast<std::size_t>(content_->plan.order_slots());
     tally.f.resize(3 * slots);
-    Departing<BoundaryNextEvent<3>> scorer(content_->walk, std::vector<Direction>{*wi}, tally);
+    Departing<BoundaryNextEvent<3>> scorer(content_->walk, std::vector<Direction>{aim->wi}, tally,
+                                           AimedShare{aim->density});
     scorer.begin_walk(seed, index);
     walk_through_boundaries<3>(content_->walk, wo, seed, index, scorer, tally);
     light.departure = scorer.departure();
     for (std::size_t slot = 0; slot < slots; ++slot)
       light.f += Rgb(tally.f[3 * slot], tally.f[3 * slot + 1], tally.f[3 * slot + 2]);
-    if (wi->z * wo.z < 0) light.f = through * light.f;
+    if (aim->wi.z * wo.z < 0) light.f = through * light.f;
   } else {
     Departing<Unaimed> scorer;
     walk_through_boundaries<3>(content_->walk, wo, seed, index, scorer, tally);

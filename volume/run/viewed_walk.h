@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -10,17 +11,26 @@
 
 namespace lamella {
 
+/// A direction of light that was drawn to be aimed at, mu != 0.
+struct LightAim {
+  Direction wi;
+  double density = std::numeric_limits<double>::infinity();  ///< [1/sr] with which it was drawn
+};
+
 /// What one walk from the viewer's direction w_o knows of a stack's BSDF.
 struct ViewedLight {
-  /// An unbiased estimate of f(w_i, w_o) [1/sr] at the asked-for w_i, deltas left out.
+  /// An unbiased estimate of the aimed share of f(w_i, w_o) [1/sr], deltas left out: all of f where
+  /// the light's density is infinite.
   Rgb f{};
   /// Where the walk left: w_i with the weight f |mu_i| / density. Nothing: it ended in the stack.
   struct Departure {
     Direction wi;
     Rgb weight;
-    /// Light along w_i that no estimate of `f` has: it passed deltas alone, or only those since
-    /// anything could be aimed.
-    bool unaimed = false;
+    /// What stands for the density d of w_i [1/sr]: where light is aimed with the density q, the
+    /// share q / (q + d) of it is in `f`, and d / (q + d) counts here. It is a function of the
+    /// path, the same in both, and large where the path has a narrow peak. Nothing: no `f` has this
+    /// light, which passed deltas alone, or only those since anything could be aimed.
+    std::optional<double> density{};
     /// It passed the stack without an event, w_i = -w_o, where `uncollided` has that light.
     bool straight = false;
   };
@@ -44,9 +54,9 @@ class ViewedStack {
   /// stack has interfaces or is closed below.
   [[nodiscard]] double uncollided(Direction w) const;
 
-  /// The walk of that number from w_o. `wi`: of f, mu != 0; nullptr: no estimate. Both unit; from
-  /// below (mu < 0) only where the stack transmits.
-  [[nodiscard]] ViewedLight follow(Direction wo, const Direction* wi, std::uint64_t seed,
+  /// The walk of that number from w_o. `aim`: the light that f is of; nullptr: no estimate.
+  /// Directions are unit; from below (mu < 0) only where the stack transmits.
+  [[nodiscard]] ViewedLight follow(Direction wo, const LightAim* aim, std::uint64_t seed,
                                    std::uint64_t number) const;
 
  private:

@@ -299,7 +299,8 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       if (solution.steep_) split.emplace(stack, channel, nodes, probes_out, probes_in, options.isa);
       DeterministicLimit this_ended;
       // Modes that vary much faster than the nodes can follow would be noise.
-      int max_modes = std::min(options.max_modes, 16 * nodes + 24);
+      const int most_kernels = std::min(options.max_modes, 16 * nodes + 24);
+      int max_modes = most_kernels;
       if (nodes == options.max_nodes) max_modes = std::min(max_modes, options.last_modes[channel]);
       const Limits limits{options.tolerance,
                           max_modes,
@@ -315,9 +316,10 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                                               .error = accuracy.error,
                                               .seconds = seconds_since(start)});
                           }};
-      // As many kernels at once as fewer nodes took, rounded up to the steps of prepare_more.
+      // As many kernels at once as fewer nodes took, rounded up to the steps of prepare_more. Their
+      // last digits depend on how many: a run that is repeated has those of the first.
       if (!coarse[k].rest.empty())
-        modes->prepare(std::min(max_modes, kernels_for(coarse[k].rest.size())));
+        modes->prepare(std::min(most_kernels, kernels_for(coarse[k].rest.size())));
       ProbeModes fine = solve_probes(*modes, split ? &*split : nullptr, parts, limits, this_ended);
       if (this_ended != DeterministicLimit::none) ended = this_ended;
       const Errors errors = errors_of(coarse[k], fine, parts, options.tolerance);
