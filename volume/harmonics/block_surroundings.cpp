@@ -37,6 +37,13 @@ T taken_by(const std::array<T, kSize>& series, OrderStep step) {
   return rest;
 }
 
+// The same of beams.
+VectorXd mirrored_by(const BeamSeries& series, OrderStep step) {
+  if (step.kind == OrderStep::Kind::any) return series[0];
+  if (step.kind == OrderStep::Kind::by) return series[step.raise == 0 ? kOrderZero : step.raise];
+  return taken_by(series, step);
+}
+
 bool keeps_order(OrderStep step) {
   return step.kind == OrderStep::Kind::any || (step.kind == OrderStep::Kind::by && step.raise == 0);
 }
@@ -152,11 +159,11 @@ SurroundedLight BlockSurroundings::from_blocks(const std::vector<FaceLight>& lea
       apply(side.r, back);
       apply(side.t, on);
     });
-    // Beams keep their order, at the nodes; those along asked cosines are followed ray by ray.
+    // Beams, at the nodes; those along asked cosines are followed ray by ray.
+    const BeamShares& beams = (first.*which).out;
+    const VectorXd mirror = mirrored_by(beams.mirror, step);
+    if (mirror.size() > 0) back.topRows(nodes) += mirror.head(nodes).asDiagonal() * waves;
     if (keeps_order(step)) {
-      const BeamShares& beams = (first.*which).out;
-      if (beams.mirror[kOrderZero].size() > 0)
-        back.topRows(nodes) += beams.mirror[kOrderZero].head(nodes).asDiagonal() * waves;
       if (beams.direct.size() > 0) {
         const VectorXd share = rows_of(here, there, beams.direct);
         const Index common = std::min(nodes, there.nodes());
@@ -243,10 +250,15 @@ BlockSurroundings::Taken BlockSurroundings::taken(const ArrivingBeam& beam, std:
   return taken;
 }
 
-double BlockSurroundings::mirror(std::size_t block, bool at_top, Index row) const {
+double BlockSurroundings::mirror(std::size_t block, bool at_top, Index row, OrderStep step) const {
   const PileOperator& pile = piles_[at_top ? block : block + 1].front();
-  const VectorXd& mirror = (at_top ? pile.below : pile.above).out.mirror[kOrderZero];
-  return mirror.size() > 0 ? mirror[row] : 0;
+  const BeamSeries& series = (at_top ? pile.below : pile.above).out.mirror;
+  const auto at = [&](int k) { return series[k].size() > 0 ? series[k][row] : 0; };
+  if (step.kind == OrderStep::Kind::any) return at(0);
+  if (step.kind == OrderStep::Kind::by) return at(step.raise == 0 ? kOrderZero : step.raise);
+  double rest = at(0);
+  for (int raise = 0; raise <= step.raise; ++raise) rest -= at(raise == 0 ? kOrderZero : raise);
+  return rest;
 }
 
 double BlockSurroundings::through(std::size_t block, bool up, Index row) const {

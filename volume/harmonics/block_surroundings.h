@@ -34,8 +34,8 @@ struct SurroundedLight {
   SurroundedLight& operator+=(const SurroundedLight& other);
 };
 
-/// A beam that arrives, by block: the shares of its power at the faces. Where there is no block
-/// above or below, the outside.
+/// A beam of one order that arrives, by block: the shares of its power at the faces. Where there is
+/// no block above or below, the outside.
 struct ArrivingBeam {
   double azimuth = 0;        ///< of the way that it goes
   std::vector<double> down;  ///< by pile: that arrives from above, reflections included
@@ -75,8 +75,9 @@ class BlockSurroundings {
   [[nodiscard]] Taken taken(const ArrivingBeam& beam, std::size_t in) const;
 
   /// Share of light that leaves a block through its top (else its bottom) that is mirrored back
-  /// there: at a row of its sets; at any cosine.
-  [[nodiscard]] double mirror(std::size_t block, bool at_top, Eigen::Index row) const;
+  /// there: at a row of its sets; at any cosine, by smooth boundaries, which keep its order.
+  [[nodiscard]] double mirror(std::size_t block, bool at_top, Eigen::Index row,
+                              OrderStep step = {}) const;
   [[nodiscard]] double mirror_at(std::size_t block, bool at_top, double mu) const;
   /// Radiance that goes straight on from a block through the pile above it (else below it), over
   /// what arrives at a row of its sets.

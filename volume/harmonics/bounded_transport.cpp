@@ -69,7 +69,8 @@ BoundedTransport::BoundedTransport(const Stack& stack, int channel,
       azimuths_(azimuths_for(resolution.degree)),
       surroundings_(stack, channel, layer_blocks(stack), nodes_for(resolution.degree),
                     (azimuths_ - 1) / 2 + 1, asked, cosines_of(stack, incident), resolution.isa),
-      elements_(elements_of(stack)) {
+      elements_(elements_of(stack)),
+      ground_(ground_of(stack, channel)) {
   for (std::size_t b = 0; b < surroundings_.blocks().size(); ++b) {
     const LayerBlock& range = surroundings_.blocks()[b];
     Block& block = blocks_.emplace_back(stack_of(stack, range), surroundings_.sets(b), channel,

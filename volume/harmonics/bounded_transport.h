@@ -44,6 +44,7 @@ class BoundedTransport {
   [[nodiscard]] const SphereGrid& grid(std::size_t b) const { return blocks_[b].grid; }
   [[nodiscard]] int azimuths() const { return azimuths_; }
   [[nodiscard]] const std::vector<StackElement>& elements() const { return elements_; }
+  [[nodiscard]] const MirroringGround& ground() const { return ground_; }
   /// Places of StackBeam above and below a block.
   [[nodiscard]] std::size_t place_above(std::size_t b) const { return blocks_[b].above; }
   [[nodiscard]] std::size_t place_below(std::size_t b) const { return blocks_[b].below; }
@@ -87,6 +88,7 @@ class BoundedTransport {
   int azimuths_;
   BlockSurroundings surroundings_;
   std::vector<StackElement> elements_;
+  MirroringGround ground_;
   std::deque<Block> blocks_;
   Eigen::MatrixXd waves_;  // rows: azimuths
 };

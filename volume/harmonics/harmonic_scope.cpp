@@ -37,8 +37,6 @@ std::optional<std::string> why_not_bounded(const Stack& stack) {
     return stack.substrate->model == kConductor
                ? "multiple scattering at a conductor's facets is left to walks"
                : "the substrate's model is an estimate, which is left to walks";
-  if (law.is_delta())
-    return "a smooth conductor below layers without symmetry about the normal is left to walks";
   if (!law.is_symmetric_about_z())
     return "a substrate whose reflection differs along x and y is left to walks";
   return std::nullopt;

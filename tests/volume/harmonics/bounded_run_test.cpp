@@ -33,6 +33,9 @@ class RandomStack {
             "[substrate]\nbsdf = \"conductor\"\neta = 0.3\nk = 3\ndistribution = \"ggx\"\n"
             "roughness = 0.4\n";
         break;
+      case 3:
+        toml_ += "[substrate]\nbsdf = \"conductor\"\neta = 0.3\nk = 3\ndistribution = \"smooth\"\n";
+        break;
       default:
         break;
     }
