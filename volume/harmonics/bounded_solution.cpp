@@ -75,11 +75,12 @@ BoundedSolution::BoundedSolution(const BoundedTransport& transport, std::size_t 
   for (const int order : {1, 2, 3}) solve_order(i, order);
   solve_rest(i);
   take_energies(i);
+  transport.surroundings().add_asked(leaving_, around_, step_between);
 }
 
 void BoundedSolution::find_beams() {
   const std::vector<StackElement>& elements = transport_.elements();
-  const double from = wi_.z > 0 ? 1 : elements.empty() ? 1 : elements.back().below;
+  const double from = wi_.z > 0 || elements.empty() ? 1 : elements.back().below;
   const StackBeamOf<OrderShares> beam = beam_by_order(elements, wi_, transport_.ground());
   const bool from_above = wi_.z > 0;
   const std::size_t blocks = transport_.blocks();
@@ -102,7 +103,7 @@ void BoundedSolution::find_beams() {
     const double mu = beam.mu[above];
     for (const bool down : {true, false}) {
       const OrderShares& power = down ? beam.down[above] : beam.up[below];
-      if (mu > 0 && power.sum() > 0)
+      if (mu > 0 && power.sum() > 0 && above < below)
         beams.push_back({refracted_to(wi_, from, index, down ? mu : -mu), power});
     }
     beams_.emplace_back(transport_, b, std::move(beams));
