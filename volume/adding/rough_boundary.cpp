@@ -46,35 +46,39 @@ BeamShares ended(Index size) {
   return shares;
 }
 
-// The share of light from |mu| that facets reflect, wherever it goes then: the mean reflectance of
-// those it sees, by quadrature over their slopes.
+}  // namespace
+
 double met_by_facets(const Facets& facets, const FacetProfile::Reflectance& reflectance,
-                     double mu) {
-  const double shown = facets.area({sine(mu), 0, mu}), s = sine(mu);
+                     Direction w) {
+  const double shown = facets.area(w), mu = w.z;
   if (!(shown > 0)) return 0;
+  // Slopes in units of the roughness, in polar coordinates about that of w.
+  const double along = std::hypot(facets.alpha_x * w.x, facets.alpha_y * w.y);
+  const double turn = std::atan2(facets.alpha_y * w.y, facets.alpha_x * w.x);
   const Quadrature &radial = cached_gauss_legendre(64), &angular = cached_gauss_legendre(48);
   double sum = 0;
   for (int a = 0; a < 64; ++a) {
-    // tan theta_m = alpha tan(pi / 2 u): its square has a density that falls algebraically at most.
-    const double angle = kPi / 2 * radial.points[a], slope = facets.alpha_x * std::tan(angle);
-    const double theta = std::atan(slope), cosine = std::cos(theta), sin_m = std::sin(theta);
-    const double measure = radial.weights[a] * kPi / 2 * facets.alpha_x /
-                           (std::cos(angle) * std::cos(angle)) * cosine * cosine * sin_m;
-    // Facets face the light where cos phi exceeds this.
-    const double least = s * sin_m > 0 ? -mu * cosine / (s * sin_m) : -1;
+    // The slope tan(pi / 2 u): its square has a density that falls algebraically at most.
+    const double angle = kPi / 2 * radial.points[a], slope = std::tan(angle);
+    const double measure = radial.weights[a] * kPi / 2 * facets.alpha_x * facets.alpha_y * slope /
+                           (std::cos(angle) * std::cos(angle));
+    // Facets face the light where the cosine of the azimuth exceeds this.
+    const double least = along * slope > 0 ? -mu / (along * slope) : -1;
     const double end = least <= -1 ? kPi : std::acos(std::min(1.0, least));
-    double facing = 0;
-    for (int b = 0; b < 48; ++b) {
-      const double c = mu * cosine + s * sin_m * std::cos(end * angular.points[b]);
-      facing +=
-          2 * end * angular.weights[b] * std::max(0.0, c) * reflectance(std::clamp(c, 0.0, 1.0));
-    }
-    sum += measure * facing * facets.density({sin_m, 0, cosine});
+    for (int b = 0; b < 48; ++b)
+      for (const int side : {1, -1}) {
+        const double phi = turn + side * end * angular.points[b];
+        const double x = facets.alpha_x * slope * std::cos(phi);
+        const double y = facets.alpha_y * slope * std::sin(phi);
+        const double cosine = 1 / std::sqrt(1 + x * x + y * y);
+        const double c = cosine * (mu + x * w.x + y * w.y);
+        sum += measure * end * angular.weights[b] * cosine * cosine * cosine *
+               facets.density({x * cosine, y * cosine, cosine}) * std::max(0.0, c) *
+               reflectance(std::clamp(c, 0.0, 1.0));
+      }
   }
   return sum / shown;
 }
-
-}  // namespace
 
 RoughBoundary::RoughBoundary(const Interface& interface, const DirectionSets& above,
                              const DirectionSets& below, int modes)
@@ -175,7 +179,9 @@ Ground::Ground(std::shared_ptr<const SurfaceLaw> law, int channel, const Directi
     r_ = std::move(facets.f);
     absorbed_ = lost_ = RowVectorXd::Zero(in.size());
     for (Index j = 0; j < in.size(); ++j) {
-      const double met = s.white ? 1 : std::min(1.0, met_by_facets(s.facets, reflectance, in[j]));
+      const double met =
+          s.white ? 1
+                  : std::min(1.0, met_by_facets(s.facets, reflectance, {sine(in[j]), 0, in[j]}));
       absorbed_[j] = 1 - met;
       lost_[j] = met - facets.energy[j];
     }

@@ -6,6 +6,7 @@
 #include "phase/interface/interfaces.h"
 #include "phase/surface/surface_law.h"
 #include "volume/adding/pile_operator.h"
+#include "volume/kernel/facet_profile.h"
 
 namespace lamella {
 
@@ -31,6 +32,11 @@ class RoughBoundary {
   const DirectionSets *above_, *below_;
   Side from_above_, from_below_;
 };
+
+/// The share of light from w (w.z > 0) that facets reflect, wherever it goes then: the mean
+/// reflectance of those it sees, by quadrature over their slopes.
+[[nodiscard]] double met_by_facets(const Facets& facets,
+                                   const FacetProfile::Reflectance& reflectance, Direction w);
 
 /// An opaque surface with a law of its own, one channel of it: modes of its order 1. A conductor's
 /// facets by volume/kernel/facet_modes.h; a mirror as beams; other laws, which are smooth, by

@@ -66,24 +66,19 @@ BlockBeams::BlockBeams(const BoundedTransport& transport, std::size_t block,
   for (const Beam& beam : beams_) {
     VectorXd& share = shares_.emplace_back(streams.size());
     streams.beam(beam.w, share.data());
-    share *= beam.power;
   }
 }
 
-double BlockBeams::leaving(Direction v, const double* prepared) const {
+double BlockBeams::leaving(std::size_t n, Direction v, const double* prepared) const {
   const BlockTransport& block = transport_.block(block_);
   const LayeredStreams& streams = block.streams();
   VectorXd source(streams.size());
   std::vector<double> scattered(streams.parts().size());
-  double light = 0;
-  for (std::size_t n = 0; n < beams_.size(); ++n) {
-    block.beam_source(beams_[n].w, v, shares_[n], source, scattered.data());
-    light += streams.march(v, prepared, source.data(), 0, nullptr);
-  }
-  return light;
+  block.beam_source(beams_[n].w, v, shares_[n], source, scattered.data());
+  return streams.march(v, prepared, source.data(), 0, nullptr);
 }
 
-FaceLight BlockBeams::emitted_at_nodes() const {
+FaceLight BlockBeams::emitted_at_nodes(std::size_t n) const {
   const SphereGrid& grid = transport_.grid(block_);
   const LayeredStreams& streams = transport_.block(block_).streams();
   FaceLight light = transport_.no_light()[block_];
@@ -93,7 +88,7 @@ FaceLight BlockBeams::emitted_at_nodes() const {
     std::vector<double> prepared(streams.block_size());
     streams.prepare(v, prepared.data(), false);
     (v.z > 0 ? light.up : light.down)((k / grid.azimuths()) % nodes, k % grid.azimuths()) =
-        leaving(v, prepared.data());
+        leaving(n, v, prepared.data());
   });
   return light;
 }
@@ -118,7 +113,7 @@ FaceLight BlockBeams::mirrored(const FaceLight& emitted) const {
   return light;
 }
 
-BlockBeams::First BlockBeams::first() const {
+BlockBeams::First BlockBeams::first(std::size_t n) const {
   const BlockSurroundings& around = transport_.surroundings();
   const BlockTransport& block = transport_.block(block_);
   const LayeredStreams& streams = block.streams();
@@ -130,83 +125,81 @@ BlockBeams::First BlockBeams::first() const {
   const std::vector<double> cuts =
       critical_within(around.blocks()[block_].index, transport_.elements());
   First result;
-  for (std::size_t n = 0; n < beams_.size(); ++n) {
-    const Beam& beam = beams_[n];
-    transport_.resolution().check_stop();
-    const BeamQuadrature rule(-beam.w, ray_points(basis.degree()), rays_for(basis.degree()), cuts);
-    const int directions = static_cast<int>(rule.directions.size());
-    struct Piece {
-      MatrixXd coefficients;
-      FaceLight emitted;
-      double absorbed = 0;
-      std::vector<double> scattered;
-    };
-    std::vector<Piece> pieces(kPieces);
-    tbb::parallel_for(0, kPieces, [&](int p) {
-      const int begin = directions * p / kPieces, end = directions * (p + 1) / kPieces;
-      Piece& piece = pieces[p];
-      const std::size_t layers = streams.parts().size();
-      piece.scattered.assign(layers, 0);
-      MatrixXd harmonics(basis.size(), 2 * (end - begin)),
-          radiance = MatrixXd::Zero(streams.size(), 2 * (end - begin));
-      MatrixXd up_nodes = MatrixXd::Zero(nodes, end - begin), down_nodes = up_nodes;
-      std::vector<double> there(streams.block_size()), back(streams.block_size()),
-          scattered(layers), phi;
-      VectorXd source(streams.size()), values(basis.size());
-      const VectorXd none = VectorXd::Zero(streams.size());
-      for (int k = begin; k < end; ++k) {
-        const Direction v = rule.directions[k], mirrored = turned_over(v);
-        const double weight = rule.weights[k], mu = std::abs(v.z);
-        block.beam_source(beam.w, v, shares_[n], source, scattered.data());
-        for (std::size_t layer = 0; layer < layers; ++layer)
-          piece.scattered[layer] += weight * scattered[layer];
-        const bool up = v.z > 0;
-        const double ahead = around.mirror_at(block_, up, mu),
-                     behind = around.mirror_at(block_, !up, mu);
-        streams.prepare(v, there.data());
-        const Index column = k - begin;
-        const double leaves = streams.march(v, there.data(), source.data(), 0, nullptr);
-        (up ? up_nodes : down_nodes).col(column) = weight * mu * leaves * at_nodes(sets, mu);
-        phi.push_back(azimuth(v));
-        double entering = 0;
-        if (ahead > 0) {
-          streams.prepare(mirrored, back.data());
-          const double on = streams.crossing(v), off = streams.crossing(mirrored);
-          const double returns = ahead * leaves / (1 - ahead * behind * on * off);
-          entering = behind * off * returns;
-          streams.march(mirrored, back.data(), none.data(), returns,
-                        radiance.col(2 * column + 1).data());
-          piece.absorbed += weight * block.collided(mirrored, radiance.col(2 * column + 1).data());
-        }
-        streams.march(v, there.data(), source.data(), entering, radiance.col(2 * column).data());
-        piece.absorbed += weight * block.collided(v, radiance.col(2 * column).data());
-        basis.values(v, values);
-        harmonics.col(2 * column) = weight * values;
-        basis.values(mirrored, values);
-        harmonics.col(2 * column + 1) = weight * values;
+  const Beam& beam = beams_[n];
+  transport_.resolution().check_stop();
+  const BeamQuadrature rule(-beam.w, ray_points(basis.degree()), rays_for(basis.degree()), cuts);
+  const int directions = static_cast<int>(rule.directions.size());
+  struct Piece {
+    MatrixXd coefficients;
+    FaceLight emitted;
+    double absorbed = 0;
+    std::vector<double> scattered;
+  };
+  std::vector<Piece> pieces(kPieces);
+  tbb::parallel_for(0, kPieces, [&](int p) {
+    const int begin = directions * p / kPieces, end = directions * (p + 1) / kPieces;
+    Piece& piece = pieces[p];
+    const std::size_t layers = streams.parts().size();
+    piece.scattered.assign(layers, 0);
+    MatrixXd harmonics(basis.size(), 2 * (end - begin)),
+        radiance = MatrixXd::Zero(streams.size(), 2 * (end - begin));
+    MatrixXd up_nodes = MatrixXd::Zero(nodes, end - begin), down_nodes = up_nodes;
+    std::vector<double> there(streams.block_size()), back(streams.block_size()), scattered(layers),
+        phi;
+    VectorXd source(streams.size()), values(basis.size());
+    const VectorXd none = VectorXd::Zero(streams.size());
+    for (int k = begin; k < end; ++k) {
+      const Direction v = rule.directions[k], mirrored = turned_over(v);
+      const double weight = rule.weights[k], mu = std::abs(v.z);
+      block.beam_source(beam.w, v, shares_[n], source, scattered.data());
+      for (std::size_t layer = 0; layer < layers; ++layer)
+        piece.scattered[layer] += weight * scattered[layer];
+      const bool up = v.z > 0;
+      const double ahead = around.mirror_at(block_, up, mu),
+                   behind = around.mirror_at(block_, !up, mu);
+      streams.prepare(v, there.data());
+      const Index column = k - begin;
+      const double leaves = streams.march(v, there.data(), source.data(), 0, nullptr);
+      (up ? up_nodes : down_nodes).col(column) = weight * mu * leaves * at_nodes(sets, mu);
+      phi.push_back(azimuth(v));
+      double entering = 0;
+      if (ahead > 0) {
+        streams.prepare(mirrored, back.data());
+        const double on = streams.crossing(v), off = streams.crossing(mirrored);
+        const double returns = ahead * leaves / (1 - ahead * behind * on * off);
+        entering = behind * off * returns;
+        streams.march(mirrored, back.data(), none.data(), returns,
+                      radiance.col(2 * column + 1).data());
+        piece.absorbed += weight * block.collided(mirrored, radiance.col(2 * column + 1).data());
       }
-      const MatrixXd around_z = BoundedTransport::waves_at(waves, phi);
-      piece.coefficients = transport_.product()(harmonics, radiance.transpose());
-      piece.emitted = {transport_.product()(down_nodes, around_z),
-                       transport_.product()(up_nodes, around_z)};
-    });
-    std::vector<double> scattered(streams.parts().size(), 0);
-    for (const Piece& piece : pieces) {
-      coefficients += piece.coefficients;
-      emitted.down += piece.emitted.down;
-      emitted.up += piece.emitted.up;
-      result.absorbed += piece.absorbed;
-      for (std::size_t layer = 0; layer < scattered.size(); ++layer)
-        scattered[layer] += piece.scattered[layer];
+      streams.march(v, there.data(), source.data(), entering, radiance.col(2 * column).data());
+      piece.absorbed += weight * block.collided(v, radiance.col(2 * column).data());
+      basis.values(v, values);
+      harmonics.col(2 * column) = weight * values;
+      basis.values(mirrored, values);
+      harmonics.col(2 * column + 1) = weight * values;
     }
-    result.absorbed += beam.power * block.first_absorbed(beam.w, scattered);
+    const MatrixXd around_z = BoundedTransport::waves_at(waves, phi);
+    piece.coefficients = transport_.product()(harmonics, radiance.transpose());
+    piece.emitted = {transport_.product()(down_nodes, around_z),
+                     transport_.product()(up_nodes, around_z)};
+  });
+  std::vector<double> scattered(streams.parts().size(), 0);
+  for (const Piece& piece : pieces) {
+    coefficients += piece.coefficients;
+    emitted.down += piece.emitted.down;
+    emitted.up += piece.emitted.up;
+    result.absorbed += piece.absorbed;
+    for (std::size_t layer = 0; layer < scattered.size(); ++layer)
+      scattered[layer] += piece.scattered[layer];
   }
+  result.absorbed += block.first_absorbed(beam.w, scattered);
   result.scattered = block.scattered(coefficients);
   result.absorbed -= block.sent_by_schlick(result.scattered);
   // What is smooth, nodes resolve better than moments do.
   const bool is_smooth =
       !block.has_mirrors() && narrowest_feature(transport_.layers(block_)) > kSmooth;
-  result.emitted = is_smooth ? emitted_at_nodes() : transport_.grid_of(block_, emitted);
+  result.emitted = is_smooth ? emitted_at_nodes(n) : transport_.grid_of(block_, emitted);
   return result;
 }
 

@@ -37,6 +37,13 @@ T taken_by(const std::array<T, kSize>& series, OrderStep step) {
   return rest;
 }
 
+// The same of beams.
+VectorXd mirrored_by(const BeamSeries& series, OrderStep step) {
+  if (step.kind == OrderStep::Kind::any) return series[0];
+  if (step.kind == OrderStep::Kind::by) return series[step.raise == 0 ? kOrderZero : step.raise];
+  return taken_by(series, step);
+}
+
 bool keeps_order(OrderStep step) {
   return step.kind == OrderStep::Kind::any || (step.kind == OrderStep::Kind::by && step.raise == 0);
 }
@@ -53,6 +60,24 @@ PileOperator nothing(const DirectionSets& sets, int mode) {
     if (mode == 0) side->absorbed = side->lost = RowVectorXd::Zero(sets.in.size());
   }
   return pile;
+}
+
+// Of a boundary that is kept apart: beams end there.
+PileOperator apart(const DirectionSets& above, const DirectionSets& below, bool is_open, int mode) {
+  PileOperator pile{&above, &below, {}, {}, is_open};
+  for (const auto& [side, sets] :
+       {std::pair{&pile.above, &above}, std::pair{&pile.below, &below}}) {
+    side->in.met = side->in.gone = VectorXd::Ones(sets->in.size());
+    side->out.met = side->out.gone = VectorXd::Ones(sets->out.size());
+    if (mode == 0) side->absorbed = side->lost = RowVectorXd::Zero(sets->in.size());
+  }
+  return pile;
+}
+
+// Whether what raises an order by that takes part in a step.
+bool takes(OrderStep step, int raise) {
+  if (step.kind == OrderStep::Kind::any) return true;
+  return step.kind == OrderStep::Kind::by ? raise == step.raise : raise > step.raise;
 }
 
 // Matrices that hold nothing, and the sum over all orders where it is order 0.
@@ -92,7 +117,7 @@ SurroundedLight& SurroundedLight::operator+=(const SurroundedLight& other) {
 
 BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
                                      std::vector<LayerBlock> blocks, int nodes, int modes,
-                                     std::span<const AskedCosine> asked_out,
+                                     int degree, std::span<const AskedCosine> asked_out,
                                      std::span<const AskedCosine> asked_in, Isa isa)
     : blocks_(std::move(blocks)) {
   const RefractiveNodes refractive{indices_of(stack), nodes, grazing_map(stack)};
@@ -103,7 +128,24 @@ BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
     elements_.push_back(elements_between(stack, begin, end));
     const bool is_ground = is_last && stack.substrate;
     std::vector<PileOperator>& pile = piles_.emplace_back(modes);
-    if (elements_.back().empty() && !is_ground) {
+    anisotropic_.emplace_back();
+    const Interface* face = elements_.back().empty() ? nullptr : elements_.back().front().interface;
+    if (is_ground && elements_.back().empty() && stack.substrate->law &&
+        !stack.substrate->law->is_symmetric_about_z()) {
+      const DirectionSets& sets =
+          plain_.emplace_back(refractive, stack.index_of(begin), asked_out, asked_in);
+      for (int m = 0; m < modes; ++m) pile[m] = apart(sets, sets, false, m);
+      anisotropic_.back() = std::make_unique<AnisotropicBoundary>(stack.substrate->law, channel,
+                                                                  sets, degree, MatrixProduct(isa));
+    } else if (face && face->facets.alpha_x != face->facets.alpha_y) {
+      const DirectionSets& above =
+          plain_.emplace_back(refractive, elements_.back().front().above, asked_out, asked_in);
+      const DirectionSets& below =
+          plain_.emplace_back(refractive, elements_.back().front().below, asked_out, asked_in);
+      for (int m = 0; m < modes; ++m) pile[m] = apart(above, below, true, m);
+      anisotropic_.back() =
+          std::make_unique<AnisotropicBoundary>(*face, above, below, degree, MatrixProduct(isa));
+    } else if (elements_.back().empty() && !is_ground) {
       const DirectionSets& sets =
           plain_.emplace_back(refractive, stack.index_of(begin), asked_out, asked_in);
       // Below a half space's nodes lies what sends back all that arrives (LayeredStreams::is_cut).
@@ -121,6 +163,19 @@ BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
       solver.forget_kernels();
     }
   }
+}
+
+std::size_t BlockSurroundings::bytes() const {
+  Index entries = 0;
+  for (const Pile& pile : piles_)
+    for (const PileOperator& mode : pile)
+      for (const PileSide* side : {&mode.above, &mode.below})
+        for (const PileSeries* series : {&side->r, &side->t})
+          for (const MatrixXd& m : *series) entries += m.size();
+  std::size_t sum = static_cast<std::size_t>(entries) * sizeof(double);
+  for (const auto& boundary : anisotropic_)
+    if (boundary) sum += boundary->bytes();
+  return sum;
 }
 
 const DirectionSets& BlockSurroundings::sets(std::size_t block) const {
@@ -152,11 +207,11 @@ SurroundedLight BlockSurroundings::from_blocks(const std::vector<FaceLight>& lea
       apply(side.r, back);
       apply(side.t, on);
     });
-    // Beams keep their order, at the nodes; those along asked cosines are followed ray by ray.
+    // Beams, at the nodes; those along asked cosines are followed ray by ray.
+    const BeamShares& beams = (first.*which).out;
+    const VectorXd mirror = mirrored_by(beams.mirror, step);
+    if (mirror.size() > 0) back.topRows(nodes) += mirror.head(nodes).asDiagonal() * waves;
     if (keeps_order(step)) {
-      const BeamShares& beams = (first.*which).out;
-      if (beams.mirror[kOrderZero].size() > 0)
-        back.topRows(nodes) += beams.mirror[kOrderZero].head(nodes).asDiagonal() * waves;
       if (beams.direct.size() > 0) {
         const VectorXd share = rows_of(here, there, beams.direct);
         const Index common = std::min(nodes, there.nodes());
@@ -169,6 +224,16 @@ SurroundedLight BlockSurroundings::from_blocks(const std::vector<FaceLight>& lea
   for (std::size_t k = 0; k < piles_.size(); ++k) {
     MatrixXd& up = k == 0 ? light.outside.up : light.entering[k - 1].up;
     MatrixXd& down = k == blocks_.size() ? light.outside.down : light.entering[k].down;
+    if (const auto& boundary = anisotropic_[k]) {
+      FaceLight there = boundary->from(arriving_at(k, leaving));
+      if (!takes(step, boundary->raise())) {
+        there.down.setZero();
+        there.up.setZero();
+      }
+      add_to(up, there.up);
+      add_to(down, there.down);
+      continue;
+    }
     if (k > 0) pass(piles_[k], &PileOperator::above, leaving[k - 1].down, up, down);
     if (k < blocks_.size()) pass(piles_[k], &PileOperator::below, leaving[k].up, down, up);
   }
@@ -204,6 +269,14 @@ SurroundedLight BlockSurroundings::from_beam(const ArrivingBeam& beam, std::size
   for (std::size_t k = 0; k < piles_.size(); ++k) {
     MatrixXd& up = k == 0 ? light.outside.up : light.entering[k - 1].up;
     MatrixXd& down = k == blocks_.size() ? light.outside.down : light.entering[k].down;
+    if (const auto& boundary = anisotropic_[k]) {
+      const double share = takes(step, boundary->raise()) ? 1 : 0;
+      const FaceLight there = boundary->from_beam(
+          beam.azimuth, static_cast<Index>(in), share * beam.down[k], share * beam.up[k], waves());
+      add_to(up, there.up);
+      add_to(down, there.down);
+      continue;
+    }
     column(piles_[k], &PileOperator::above, &PileSide::r, beam.down[k], up);
     column(piles_[k], &PileOperator::above, &PileSide::t, beam.down[k], down);
     if (!piles_[k].front().is_open) continue;
@@ -211,6 +284,43 @@ SurroundedLight BlockSurroundings::from_beam(const ArrivingBeam& beam, std::size
     column(piles_[k], &PileOperator::below, &PileSide::t, beam.up[k], up);
   }
   return light;
+}
+
+FaceLight BlockSurroundings::arriving_at(std::size_t pile,
+                                         const std::vector<FaceLight>& leaving) const {
+  const auto none = [&](const DirectionSets& sets) {
+    return MatrixXd(MatrixXd::Zero(sets.nodes(), waves()));
+  };
+  return {pile > 0 ? leaving[pile - 1].down : none(*piles_[pile].front().top),
+          pile < blocks_.size() ? leaving[pile].up : none(*piles_[pile].front().bottom)};
+}
+
+void BlockSurroundings::add_asked(std::span<const std::vector<FaceLight>> leaving,
+                                  std::span<SurroundedLight> around,
+                                  const std::function<OrderStep(int, int)>& step) const {
+  for (std::size_t k = 0; k < piles_.size(); ++k) {
+    if (!anisotropic_[k]) continue;
+    std::vector<FaceLight> arriving, there(around.size());
+    for (std::size_t to = 0; to < around.size(); ++to) {
+      FaceLight& light = arriving.emplace_back();
+      for (std::size_t from = 0; from <= to; ++from) {
+        if (!takes(step(static_cast<int>(from), static_cast<int>(to)), anisotropic_[k]->raise()))
+          continue;
+        const FaceLight term = arriving_at(k, leaving[from]);
+        add_to(light.down, term.down);
+        add_to(light.up, term.up);
+      }
+      const PileOperator& pile = piles_[k].front();
+      there[to].up = MatrixXd::Zero(pile.top->out.size(), waves());
+      if (pile.is_open) there[to].down = MatrixXd::Zero(pile.bottom->out.size(), waves());
+    }
+    anisotropic_[k]->add_asked(arriving, there);
+    for (std::size_t to = 0; to < around.size(); ++to) {
+      add_to(k == 0 ? around[to].outside.up : around[to].entering[k - 1].up, there[to].up);
+      add_to(k == blocks_.size() ? around[to].outside.down : around[to].entering[k].down,
+             there[to].down);
+    }
+  }
 }
 
 BlockSurroundings::Taken BlockSurroundings::taken(const std::vector<FaceLight>& leaving) const {
@@ -224,6 +334,12 @@ BlockSurroundings::Taken BlockSurroundings::taken(const std::vector<FaceLight>& 
     add(piles_[b].front().below, *piles_[b].front().bottom, leaving[b].up);
     add(piles_[b + 1].front().above, *piles_[b + 1].front().top, leaving[b].down);
   }
+  for (std::size_t k = 0; k < piles_.size(); ++k)
+    if (anisotropic_[k]) {
+      const AnisotropicBoundary::Taken there = anisotropic_[k]->taken(arriving_at(k, leaving));
+      taken.absorbed += there.absorbed;
+      taken.lost += there.lost;
+    }
   return taken;
 }
 
@@ -239,14 +355,25 @@ BlockSurroundings::Taken BlockSurroundings::taken(const ArrivingBeam& beam, std:
     const PileOperator& pile = piles_[k].front();
     add(pile.above, *pile.top, beam.down[k]);
     if (pile.is_open) add(pile.below, *pile.bottom, beam.up[k]);
+    if (anisotropic_[k]) {
+      const AnisotropicBoundary::Taken there = anisotropic_[k]->taken_of_beam(
+          beam.azimuth, static_cast<Index>(in), beam.down[k], pile.is_open ? beam.up[k] : 0);
+      taken.absorbed += there.absorbed;
+      taken.lost += there.lost;
+    }
   }
   return taken;
 }
 
-double BlockSurroundings::mirror(std::size_t block, bool at_top, Index row) const {
+double BlockSurroundings::mirror(std::size_t block, bool at_top, Index row, OrderStep step) const {
   const PileOperator& pile = piles_[at_top ? block : block + 1].front();
-  const VectorXd& mirror = (at_top ? pile.below : pile.above).out.mirror[kOrderZero];
-  return mirror.size() > 0 ? mirror[row] : 0;
+  const BeamSeries& series = (at_top ? pile.below : pile.above).out.mirror;
+  const auto at = [&](int k) { return series[k].size() > 0 ? series[k][row] : 0; };
+  if (step.kind == OrderStep::Kind::any) return at(0);
+  if (step.kind == OrderStep::Kind::by) return at(step.raise == 0 ? kOrderZero : step.raise);
+  double rest = at(0);
+  for (int raise = 0; raise <= step.raise; ++raise) rest -= at(raise == 0 ? kOrderZero : raise);
+  return rest;
 }
 
 double BlockSurroundings::through(std::size_t block, bool up, Index row) const {

@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "volume/adding/pile_modes.h"
+#include "volume/harmonics/anisotropic_boundary.h"
 #include "volume/harmonics/layer_blocks.h"
 #include "volume/solver/stack_beams.h"
 
 namespace lamella {
-
-/// Radiance through the two faces of a block, or at one of its faces in two directions. Rows:
-/// cosines; columns: azimuths of the way that the light goes, or their waves 1, sqrt(2) cos(m phi),
-/// sqrt(2) sin(m phi), m = 1, 2, ...
-struct FaceLight {
-  Eigen::MatrixXd down, up;
-};
 
 /// What meets light of one order: events that raise the order by `raise`, or by more than that
 /// (`beyond`), or by any number.
@@ -34,8 +28,8 @@ struct SurroundedLight {
   SurroundedLight& operator+=(const SurroundedLight& other);
 };
 
-/// A beam that arrives, by block: the shares of its power at the faces. Where there is no block
-/// above or below, the outside.
+/// A beam of one order that arrives, by block: the shares of its power at the faces. Where there is
+/// no block above or below, the outside.
 struct ArrivingBeam {
   double azimuth = 0;        ///< of the way that it goes
   std::vector<double> down;  ///< by pile: that arrives from above, reflections included
@@ -43,14 +37,15 @@ struct ArrivingBeam {
 };
 
 /// What lies around the blocks of a stack in one colour channel: piles of boundaries and of layers
-/// that are symmetric about the normal, as operators by azimuthal mode (volume/adding). Pile k lies
-/// above block k; the last one, below them all, may be closed.
+/// that are symmetric about the normal, as operators by azimuthal mode (volume/adding), or one
+/// boundary alone that is not. Pile k lies above block k; the last one, below them all, may be
+/// closed.
 class BlockSurroundings {
  public:
-  /// modes: of the azimuth. asked_out, asked_in: cosines outside, each with the index of its
-  /// medium.
+  /// modes: of the azimuth; degree: the highest wave of boundaries that are not symmetric.
+  /// asked_out, asked_in: cosines outside, each with the index of its medium.
   BlockSurroundings(const Stack& stack, int channel, std::vector<LayerBlock> blocks, int nodes,
-                    int modes, std::span<const AskedCosine> asked_out,
+                    int modes, int degree, std::span<const AskedCosine> asked_out,
                     std::span<const AskedCosine> asked_in, Isa isa);
 
   [[nodiscard]] const std::vector<LayerBlock>& blocks() const { return blocks_; }
@@ -61,12 +56,19 @@ class BlockSurroundings {
   [[nodiscard]] bool is_closed() const { return !piles_.back().front().is_open; }
   [[nodiscard]] int waves() const { return 2 * static_cast<int>(piles_.front().size()) - 1; }
 
+  /// Bytes that the operators hold.
+  [[nodiscard]] std::size_t bytes() const;
+
   /// What becomes of light that leaves the blocks (waves at the nodes).
   [[nodiscard]] SurroundedLight from_blocks(const std::vector<FaceLight>& leaving,
                                             OrderStep step) const;
   /// And of a beam along the asked cosine `in`, beams apart.
   [[nodiscard]] SurroundedLight from_beam(const ArrivingBeam& beam, std::size_t in,
                                           OrderStep step) const;
+  /// What boundaries that are not symmetric send along asked cosines: adds to `around` by order,
+  /// given what leaves the blocks; step: from one order to another.
+  void add_asked(std::span<const std::vector<FaceLight>> leaving, std::span<SurroundedLight> around,
+                 const std::function<OrderStep(int from, int to)>& step) const;
   /// Shares of the light that leaves the blocks, and of a beam, which the piles take.
   struct Taken {
     double absorbed = 0, lost = 0;
@@ -75,8 +77,9 @@ class BlockSurroundings {
   [[nodiscard]] Taken taken(const ArrivingBeam& beam, std::size_t in) const;
 
   /// Share of light that leaves a block through its top (else its bottom) that is mirrored back
-  /// there: at a row of its sets; at any cosine.
-  [[nodiscard]] double mirror(std::size_t block, bool at_top, Eigen::Index row) const;
+  /// there: at a row of its sets; at any cosine, by smooth boundaries, which keep its order.
+  [[nodiscard]] double mirror(std::size_t block, bool at_top, Eigen::Index row,
+                              OrderStep step = {}) const;
   [[nodiscard]] double mirror_at(std::size_t block, bool at_top, double mu) const;
   /// Radiance that goes straight on from a block through the pile above it (else below it), over
   /// what arrives at a row of its sets.
@@ -87,8 +90,13 @@ class BlockSurroundings {
   std::vector<LayerBlock> blocks_;
   std::deque<PileModes> modes_;      // keep the sets of directions
   std::deque<DirectionSets> plain_;  // where a pile is nothing
+  // What arrives at a pile.
+  [[nodiscard]] FaceLight arriving_at(std::size_t pile,
+                                      const std::vector<FaceLight>& leaving) const;
+
   std::vector<Pile> piles_;
-  std::vector<std::vector<StackElement>> elements_;  // by pile
+  std::vector<std::unique_ptr<AnisotropicBoundary>> anisotropic_;  // by pile, or nothing
+  std::vector<std::vector<StackElement>> elements_;                // by pile
 };
 
 }  // namespace lamella

@@ -31,6 +31,19 @@ void add_to(std::vector<FaceLight>& sum, const std::vector<FaceLight>& term) {
   }
 }
 
+void subtract_from(std::vector<FaceLight>& sum, const std::vector<FaceLight>& term) {
+  for (std::size_t b = 0; b < sum.size(); ++b) {
+    sum[b].down -= term[b].down;
+    sum[b].up -= term[b].up;
+  }
+}
+
+bool is_dark(const ArrivingBeam& beam) {
+  const auto is_none = [](double share) { return share == 0; };
+  return std::all_of(beam.down.begin(), beam.down.end(), is_none) &&
+         std::all_of(beam.up.begin(), beam.up.end(), is_none);
+}
+
 bool is_dark(const std::vector<FaceLight>& light) {
   for (const FaceLight& face : light)
     if (!face.down.isZero(0) || !face.up.isZero(0)) return false;
@@ -59,24 +72,29 @@ BoundedSolution::BoundedSolution(const BoundedTransport& transport, std::size_t 
     leaving_[0] = transport.waves_of(step.leaving);
     around_[0] += transport.surroundings().from_blocks(leaving_[0], step_between(0, 0));
   }
-  solve_first(i);
-  solve_order(i, 2);
-  solve_order(i, 3);
+  for (const int order : {1, 2, 3}) solve_order(i, order);
   solve_rest(i);
   take_energies(i);
+  transport.surroundings().add_asked(leaving_, around_, step_between);
 }
 
 void BoundedSolution::find_beams() {
   const std::vector<StackElement>& elements = transport_.elements();
-  const double from = wi_.z > 0 ? 1 : elements.back().below;
-  const StackBeam beam = beam_of(elements, wi_, false);
+  const double from = wi_.z > 0 || elements.empty() ? 1 : elements.back().below;
+  const StackBeamOf<OrderShares> beam = beam_by_order(elements, wi_, transport_.ground());
   const bool from_above = wi_.z > 0;
-  arriving_.azimuth = azimuth(-wi_);
   const std::size_t blocks = transport_.blocks();
-  for (std::size_t k = 0; k <= blocks; ++k) {
-    arriving_.down.push_back(k == 0 ? (from_above ? 1 : 0)
-                                    : beam.down[transport_.place_below(k - 1)]);
-    arriving_.up.push_back(k == blocks ? (from_above ? 0 : 1) : beam.up[transport_.place_above(k)]);
+  for (int order = 0; order < kOrders; ++order) {
+    ArrivingBeam& arriving = arriving_[order];
+    arriving.azimuth = azimuth(-wi_);
+    for (std::size_t k = 0; k <= blocks; ++k) {
+      const OrderShares& down =
+          k == 0 ? beam.down.front() : beam.down[transport_.place_below(k - 1)];
+      const OrderShares& up = k == blocks ? beam.up.back() : beam.up[transport_.place_above(k)];
+      const double outside = order == 0 ? 1 : 0;
+      arriving.down.push_back(k > 0 ? down.of[order] : from_above ? outside : 0);
+      arriving.up.push_back(k < blocks ? up.of[order] : from_above ? 0 : outside);
+    }
   }
   for (std::size_t b = 0; b < blocks; ++b) {
     std::vector<BlockBeams::Beam> beams;
@@ -84,20 +102,30 @@ void BoundedSolution::find_beams() {
     const std::size_t above = transport_.place_above(b), below = transport_.place_below(b);
     const double mu = beam.mu[above];
     for (const bool down : {true, false}) {
-      const double power = down ? beam.down[above] : beam.up[below];
-      if (mu > 0 && power > 0)
+      const OrderShares& power = down ? beam.down[above] : beam.up[below];
+      if (mu > 0 && power.sum() > 0 && above < below)
         beams.push_back({refracted_to(wi_, from, index, down ? mu : -mu), power});
     }
     beams_.emplace_back(transport_, b, std::move(beams));
+    first_.emplace_back();
+    for (std::size_t n = 0; n < beams_.back().beams().size(); ++n)
+      first_.back().push_back(beams_.back().first(n));
   }
-  energies_.uncollided = from_above ? beam.down.back() : beam.up.front();
-  energies_.mirrored = from_above ? beam.up.front() : beam.down.back();
+  energies_.uncollided = (from_above ? beam.down.back() : beam.up.front()).sum();
+  const OrderShares& back = from_above ? beam.up.front() : beam.down.back();
+  energies_.mirrored = back.of[0];
+  energies_.specular = back.sum();
+  for (int order = 1; order < kOrders; ++order)
+    (from_above ? energies_.up : energies_.down)[order - 1] = back.of[order];
   if (transport_.surroundings().is_closed()) energies_.uncollided = 0;
 }
 
 SurroundedLight BoundedSolution::raised(std::size_t i, int order) const {
   const BlockSurroundings& around = transport_.surroundings();
-  SurroundedLight light = around.from_beam(arriving_, i, step_between(0, order));
+  SurroundedLight light;
+  for (int from = 0; from <= order; ++from)
+    if (from == 0 || !is_dark(arriving_[from]))
+      light += around.from_beam(arriving_[from], i, step_between(from, order));
   for (int from = 0; from < order; ++from)
     light += around.from_blocks(leaving_[from], step_between(from, order));
   return light;
@@ -117,47 +145,54 @@ FaceLight BoundedSolution::crossed(std::size_t b, FaceLight light) const {
   return light;
 }
 
-void BoundedSolution::solve_first(std::size_t i) {
-  const std::size_t blocks = transport_.blocks();
-  around_[1] = raised(i, 1);
-  BoundedSource source = no_source();
-  source.coefficients = sources_[1];
-  std::vector<FaceLight> emitted = transport_.follow(source, false).leaving, of_beams, mirrored;
-  std::vector<MatrixXd> scattered;
-  for (const BlockBeams& beams : beams_) {
-    BlockBeams::First first = beams.first();
-    energies_.absorbed += first.absorbed;
-    scattered.push_back(std::move(first.scattered));
-    mirrored.push_back(beams.mirrored(first.emitted));
-    of_beams.push_back(std::move(first.emitted));
+BoundedSolution::OfBeams BoundedSolution::of_beams(int order) const {
+  OfBeams light;
+  light.emitted = light.mirrored = transport_.no_light();
+  const auto power = [order](const BlockBeams::Beam& beam) {
+    const double last = beam.power.of[order - 1];
+    return order == kOrders - 1 ? last + beam.power.of[order] : last;
+  };
+  bool is_any = false;
+  for (const BlockBeams& block : beams_)
+    for (const BlockBeams::Beam& beam : block.beams()) is_any = is_any || power(beam) > 0;
+  if (is_any)
+    for (std::size_t b = 0; b < beams_.size(); ++b) {
+      light.scattered.push_back(
+          MatrixXd::Zero(transport_.basis().size(), transport_.block(b).nodes()));
+      for (std::size_t n = 0; n < first_[b].size(); ++n) {
+        const BlockBeams::First& first = first_[b][n];
+        const double share = power(beams_[b].beams()[n]);
+        light.scattered[b] += share * first.scattered;
+        light.emitted[b].down += share * first.emitted.down;
+        light.emitted[b].up += share * first.emitted.up;
+        light.absorbed += share * first.absorbed;
+      }
+      light.mirrored[b] = beams_[b].mirrored(light.emitted[b]);
+    }
+  light.leaving = light.emitted;
+  for (std::size_t b = 0; b < beams_.size(); ++b) {
+    const FaceLight crossing = crossed(b, light.mirrored[b]);
+    light.leaving[b].down += crossing.down;
+    light.leaving[b].up += crossing.up;
   }
-  add_to(emitted, of_beams);
-  source.entering = transport_.settled(transport_.grid_of(around_[1].entering), emitted);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    source.entering[b].down -= mirrored[b].down;
-    source.entering[b].up -= mirrored[b].up;
-  }
-  BoundedStep step = transport_.follow(source, true);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    step.scattered[b] += scattered[b];
-    mirrored[b] = crossed(b, std::move(mirrored[b]));
-  }
-  add_to(step.leaving, of_beams);
-  add_to(step.leaving, mirrored);
-  energies_.absorbed += step.absorbed;
-  sources_[2] = std::move(step.scattered);
-  leaving_[1] = transport_.waves_of(step.leaving);
-  around_[1] += transport_.surroundings().from_blocks(leaving_[1], step_between(1, 1));
+  return light;
 }
 
+// Light of one event between two of which the boundaries keep the order is followed ray by ray
+// (of_beams); all else is at the nodes.
 void BoundedSolution::solve_order(std::size_t i, int order) {
+  const OfBeams beams = of_beams(order);
   around_[order] = raised(i, order);
   BoundedSource source = no_source();
   source.coefficients = sources_[order];
-  source.entering = transport_.settled(transport_.grid_of(around_[order].entering),
-                                       transport_.follow(source, false).leaving);
+  std::vector<FaceLight> emitted = transport_.follow(source, false).leaving;
+  add_to(emitted, beams.emitted);
+  source.entering = transport_.settled(transport_.grid_of(around_[order].entering), emitted);
+  subtract_from(source.entering, beams.mirrored);
   BoundedStep step = transport_.follow(source, true);
-  energies_.absorbed += step.absorbed;
+  for (std::size_t b = 0; b < beams.scattered.size(); ++b) step.scattered[b] += beams.scattered[b];
+  add_to(step.leaving, beams.leaving);
+  energies_.absorbed += step.absorbed + beams.absorbed;
   sources_[order + 1] = std::move(step.scattered);
   leaving_[order] = transport_.waves_of(step.leaving);
   around_[order] +=
@@ -166,8 +201,18 @@ void BoundedSolution::solve_order(std::size_t i, int order) {
 
 void BoundedSolution::solve_rest(std::size_t i) {
   const BlockSurroundings& around = transport_.surroundings();
+  const OfBeams beams = of_beams(4);
   around_[4] = raised(i, 4);
   BoundedSource begin{sources_[4], transport_.grid_of(around_[4].entering)};
+  for (std::size_t b = 0; b < beams.scattered.size(); ++b)
+    begin.coefficients[b] += beams.scattered[b];
+  if (!beams.scattered.empty()) {
+    add_to(
+        begin.entering,
+        transport_.grid_of(
+            around.from_blocks(transport_.waves_of(beams.leaving), step_between(4, 4)).entering));
+    subtract_from(begin.entering, beams.mirrored);
+  }
   Index size = 0;
   for (std::size_t b = 0; b < transport_.blocks(); ++b)
     size +=
@@ -208,8 +253,9 @@ void BoundedSolution::solve_rest(std::size_t i) {
   };
   const BoundedSource all = shaped(
       solve_gmres(apply, flat(begin), transport_.resolution().residual, kMaxIterations).solution);
-  const BoundedStep step = transport_.follow(all, true);
-  energies_.absorbed += step.absorbed;
+  BoundedStep step = transport_.follow(all, true);
+  add_to(step.leaving, beams.leaving);
+  energies_.absorbed += step.absorbed + beams.absorbed;
   sources_[4] = all.coefficients;
   leaving_[4] = transport_.waves_of(step.leaving);
   around_[4] += around.from_blocks(leaving_[4], step_between(4, 4));
@@ -220,14 +266,14 @@ void BoundedSolution::take_energies(std::size_t i) {
   const auto flux = [](const DirectionSets& sets, const MatrixXd& waves) {
     return sets.flux.dot(waves.col(0).head(sets.nodes()));
   };
-  BlockSurroundings::Taken taken = around.taken(arriving_, i);
-  energies_.absorbed += taken.absorbed;
-  energies_.lost += taken.lost;
   for (int order = 0; order < kOrders; ++order) {
+    BlockSurroundings::Taken taken = around.taken(arriving_[order], i);
+    energies_.absorbed += taken.absorbed;
+    energies_.lost += taken.lost;
     const double up = flux(around.top(), around_[order].outside.up);
     const double down = around.is_closed() ? 0 : flux(around.bottom(), around_[order].outside.down);
-    (order == 0 ? energies_.zero_up : energies_.up[order - 1]) = up;
-    (order == 0 ? energies_.zero_down : energies_.down[order - 1]) = down;
+    (order == 0 ? energies_.zero_up : energies_.up[order - 1]) += up;
+    (order == 0 ? energies_.zero_down : energies_.down[order - 1]) += down;
     taken = around.taken(leaving_[order]);
     energies_.absorbed += taken.absorbed;
     energies_.lost += taken.lost;
@@ -244,12 +290,18 @@ BoundedSolution::Ray BoundedSolution::ray_along(
   for (int order = 0; order < kOrders; ++order)
     if (values[order])
       ray.emitted[order] = streams.march(v, prepared.data(), values[order], 0, nullptr);
-  if (!beams_[b].is_empty()) ray.emitted[1] += beams_[b].leaving(v, prepared.data());
+  for (std::size_t n = 0; n < beams_[b].beams().size(); ++n) {
+    const double light = beams_[b].leaving(n, v, prepared.data());
+    const OrderShares& power = beams_[b].beams()[n].power;
+    for (int order = 0; order < kOrders; ++order)
+      ray.emitted[std::min(order + 1, kOrders - 1)] += power.of[order] * light;
+  }
   return ray;
 }
 
 // Along each ray what enters a block is what is diffuse there and what the faces mirror and let
-// through: two unknowns per block.
+// through: two unknowns per block. A conductor at the bottom mirrors light of one order into
+// another.
 std::array<MatrixXd, kHarmonicParts> BoundedSolution::f(bool up, std::size_t first,
                                                         std::size_t count,
                                                         std::span<const double> phi) const {
@@ -283,9 +335,7 @@ std::array<MatrixXd, kHarmonicParts> BoundedSolution::f(bool up, std::size_t fir
     radiance[order] = asked(up ? around_[order].outside.up : around_[order].outside.down, outside);
   tbb::parallel_for(Index{0}, rows * columns, [&](Index k) {
     const Index j = k / columns, p = k % columns;
-    MatrixXd system = MatrixXd::Identity(2 * blocks, 2 * blocks);
-    MatrixXd right = MatrixXd::Zero(2 * blocks, kOrders);  // down, up of each block
-    std::vector<std::array<Ray, 2>> rays(blocks);          // down, up
+    std::vector<std::array<Ray, 2>> rays(blocks);  // down, up
     const auto row_of = [&](Index b) {
       return around.sets(b).nodes() + static_cast<Index>(first) + j;
     };
@@ -298,23 +348,38 @@ std::array<MatrixXd, kHarmonicParts> BoundedSolution::f(bool up, std::size_t fir
         rays[b][way] =
             ray_along(b, direction_from_mu_phi(way == 1 ? mu[b][j] : -mu[b][j], phi[p]), at);
       }
-    const auto add = [&](Index to, double share, Index from_block, int way) {
-      if (!(share > 0)) return;
-      const Ray& ray = rays[from_block][way];
-      system(to, 2 * from_block + way) -= share * ray.crossing;
-      for (int order = 0; order < kOrders; ++order) right(to, order) += share * ray.emitted[order];
-    };
-    for (Index b = 0; b < blocks; ++b) {
-      for (int order = 0; order < kOrders; ++order) {
-        right(2 * b, order) += diffuse[b][order].down(j, p);
-        right(2 * b + 1, order) += diffuse[b][order].up(j, p);
+    // Rows: down, up of each block.
+    MatrixXd entering = MatrixXd::Zero(2 * blocks, kOrders);
+    for (int order = 0; order < kOrders; ++order) {
+      MatrixXd system = MatrixXd::Identity(2 * blocks, 2 * blocks);
+      VectorXd right(2 * blocks);
+      const auto add = [&](Index to, double share, Index from_block, int way) {
+        if (!(share > 0)) return;
+        const Ray& ray = rays[from_block][way];
+        system(to, 2 * from_block + way) -= share * ray.crossing;
+        right[to] += share * ray.emitted[order];
+      };
+      const OrderStep same = step_between(order, order);
+      for (Index b = 0; b < blocks; ++b) {
+        right[2 * b] = diffuse[b][order].down(j, p);
+        right[2 * b + 1] = diffuse[b][order].up(j, p);
       }
-      add(2 * b, around.mirror(b, true, row_of(b)), b, 1);
-      add(2 * b + 1, around.mirror(b, false, row_of(b)), b, 0);
-      if (b > 0) add(2 * b, around.through(b - 1, false, row_of(b - 1)), b - 1, 0);
-      if (b + 1 < blocks) add(2 * b + 1, around.through(b + 1, true, row_of(b + 1)), b + 1, 1);
+      for (Index b = 0; b < blocks; ++b) {
+        add(2 * b, around.mirror(b, true, row_of(b), same), b, 1);
+        add(2 * b + 1, around.mirror(b, false, row_of(b), same), b, 0);
+        if (b > 0) add(2 * b, around.through(b - 1, false, row_of(b - 1)), b - 1, 0);
+        if (b + 1 < blocks) add(2 * b + 1, around.through(b + 1, true, row_of(b + 1)), b + 1, 1);
+      }
+      const Index deepest = blocks - 1;
+      for (int from = 0; from < order; ++from) {
+        const double share =
+            around.mirror(deepest, false, row_of(deepest), step_between(from, order));
+        const Ray& ray = rays[deepest][0];
+        right[2 * deepest + 1] +=
+            share * (ray.crossing * entering(2 * deepest, from) + ray.emitted[from]);
+      }
+      entering.col(order) = system.partialPivLu().solve(right);
     }
-    const MatrixXd entering = system.partialPivLu().solve(right);
     const Index last = up ? 0 : blocks - 1;
     const int way = up ? 1 : 0;
     const double share = around.through(last, up, row_of(last));

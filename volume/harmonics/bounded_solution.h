@@ -25,13 +25,21 @@ class BoundedSolution {
 
  private:
   // Orders 0 to 3, and 4 and more.
-  static constexpr int kOrders = 5;
+  static constexpr int kOrders = OrderShares::kSize;
 
   void find_beams();
   // What enters of that order, and leaves the stack, by light of lower orders.
   [[nodiscard]] SurroundedLight raised(std::size_t i, int order) const;
   [[nodiscard]] BoundedSource no_source() const;
-  void solve_first(std::size_t i);
+  // What one event in the blocks makes of beams, in light of that order.
+  struct OfBeams {
+    std::vector<FaceLight> emitted;          // that leaves the blocks before it is mirrored
+    std::vector<FaceLight> mirrored;         // of it, that enters again by mirrors of its order
+    std::vector<FaceLight> leaving;          // both, through the faces
+    std::vector<Eigen::MatrixXd> scattered;  // of the next order; empty: there is none of all this
+    double absorbed = 0;
+  };
+  [[nodiscard]] OfBeams of_beams(int order) const;
   void solve_order(std::size_t i, int order);
   void solve_rest(std::size_t i);
   void take_energies(std::size_t i);
@@ -47,8 +55,9 @@ class BoundedSolution {
   const BoundedTransport& transport_;
   Direction wi_;
   bool has_rough_;
-  std::vector<BlockBeams> beams_;  // by block
-  ArrivingBeam arriving_;
+  std::vector<BlockBeams> beams_;                              // by block
+  std::vector<std::vector<BlockBeams::First>> first_;          // by block and beam, at unit power
+  std::array<ArrivingBeam, kOrders> arriving_;                 // by order
   std::array<std::vector<Eigen::MatrixXd>, kOrders> sources_;  // coefficients by block, or empty
   std::array<std::vector<FaceLight>, kOrders> leaving_;        // waves
   std::array<SurroundedLight, kOrders> around_;

@@ -17,8 +17,11 @@ using Eigen::VectorXd;
 constexpr int kMaxIterations = 200;
 
 int azimuths_for(int degree) { return 2 * degree + 32; }
-// Of the rarest medium; denser ones have more.
-int nodes_for(int degree) { return std::max(24, (3 * degree) / 4 + 8); }
+// Of the rarest medium; denser ones have more. Lobes of boundaries that are not symmetric want more
+// of them, and more from each degree to the next, so that bounds tell what they miss.
+int nodes_for(const Stack& stack, int degree) {
+  return has_anisotropic_boundaries(stack) ? degree + 16 : std::max(24, (3 * degree) / 4 + 8);
+}
 
 std::vector<AskedCosine> cosines_of(const Stack& stack, std::span<const Direction> incident) {
   std::vector<AskedCosine> asked;
@@ -30,58 +33,46 @@ std::vector<AskedCosine> cosines_of(const Stack& stack, std::span<const Directio
 }  // namespace
 
 BoundedTransport::Block::Block(Stack inner, const DirectionSets& sets, int channel,
-                               const HarmonicBasis& basis, const HarmonicResolution& resolution,
+                               const LayerKernels& kernels, const HarmonicResolution& resolution,
                                int azimuths)
     : stack(std::move(inner)),
-      transport(stack, channel, LayerKernels(basis, MatrixProduct(resolution.isa)), resolution),
-      grid(SphereGrid::quadrature(basis, VectorXd(sets.out.head(sets.nodes())), sets.weight,
-                                  azimuths, MatrixProduct(resolution.isa))) {
+      transport(stack, channel, kernels, resolution),
+      grid(SphereGrid::quadrature(kernels.basis(), VectorXd(sets.out.head(sets.nodes())),
+                                  sets.weight, azimuths, MatrixProduct(resolution.isa))) {
   const LayeredStreams& streams = transport.streams();
   prepared.resize(streams.block_size() * static_cast<std::size_t>(grid.size()));
   crossing.resize(grid.size());
   tbb::parallel_for(0, grid.size(), [&](int k) {
     const Direction v = grid.direction(k);
-    streams.prepare(v, &prepared[streams.block_size() * k]);
+    streams.prepare(v, prepared.data() + streams.block_size() * k);
     crossing[k] = streams.crossing(v);
   });
 }
 
 MatrixXd BoundedTransport::waves_at(Index waves, std::span<const double> phi) {
-  MatrixXd values(static_cast<Index>(phi.size()), waves);
-  for (std::size_t p = 0; p < phi.size(); ++p) {
-    const Index row = static_cast<Index>(p);
-    values(row, 0) = 1;
-    for (Index m = 1; 2 * m < waves; ++m) {
-      const double angle = static_cast<double>(m) * phi[p];
-      values(row, 2 * m - 1) = std::sqrt(2.0) * std::cos(angle);
-      values(row, 2 * m) = std::sqrt(2.0) * std::sin(angle);
-    }
-  }
-  return values;
+  return azimuthal_waves(waves,
+                         Eigen::Map<const VectorXd>(phi.data(), static_cast<Index>(phi.size())));
 }
 
 BoundedTransport::BoundedTransport(const Stack& stack, int channel,
                                    const HarmonicResolution& resolution,
                                    std::span<const AskedCosine> asked,
-                                   std::span<const Direction> incident)
+                                   std::span<const Direction> incident, const LayerKernels* kernels)
     : resolution_(resolution),
       basis_(resolution.degree),
       azimuths_(azimuths_for(resolution.degree)),
-      surroundings_(stack, channel, layer_blocks(stack), nodes_for(resolution.degree),
-                    (azimuths_ - 1) / 2 + 1, asked, cosines_of(stack, incident), resolution.isa),
-      elements_(elements_of(stack)) {
+      surroundings_(stack, channel, layer_blocks(stack), nodes_for(stack, resolution.degree),
+                    (azimuths_ - 1) / 2 + 1, resolution.degree, asked, cosines_of(stack, incident),
+                    resolution.isa),
+      elements_(elements_of(stack)),
+      ground_(ground_of(stack, channel)) {
+  const LayerKernels own(basis_, MatrixProduct(resolution.isa));
   for (std::size_t b = 0; b < surroundings_.blocks().size(); ++b) {
     const LayerBlock& range = surroundings_.blocks()[b];
     Block& block = blocks_.emplace_back(stack_of(stack, range), surroundings_.sets(b), channel,
-                                        basis_, resolution, azimuths_);
-    const auto is_within = [&](const StackElement& e) {
-      return e.layer && e.layer >= &stack.layers[range.begin] &&
-             e.layer < stack.layers.data() + range.end;
-    };
-    const auto first = std::find_if(elements_.begin(), elements_.end(), is_within);
-    const auto last = std::find_if_not(first, elements_.end(), is_within);
-    block.above = first - elements_.begin();
-    block.below = last - elements_.begin();
+                                        kernels ? *kernels : own, resolution, azimuths_);
+    block.above = elements_between(stack, 0, range.begin).size();
+    block.below = elements_between(stack, 0, range.end).size();
   }
   std::vector<double> phi;
   for (int p = 0; p < azimuths_; ++p) phi.push_back(2 * kPi * (p + 0.5) / azimuths_);
@@ -143,11 +134,15 @@ BoundedStep BoundedTransport::follow(const BoundedSource& source, bool with_scat
       const FaceLight& enters = source.entering[b];
       double* ray = with_scattered ? radiance.col(k).data() : nullptr;
       (up ? step.leaving[b].up : step.leaving[b].down)(row, column) = streams.march(
-          v, &block.prepared[streams.block_size() * k], values.col(has_source ? k : 0).data(),
-          (up ? enters.up : enters.down)(row, column), ray);
+          v, block.prepared.data() + streams.block_size() * k,
+          values.col(has_source ? k : 0).data(), (up ? enters.up : enters.down)(row, column), ray);
       if (ray) absorbed[k] = block.transport.collided(v, ray);
     });
     if (!with_scattered) continue;
+    if (streams.size() == 0) {
+      step.scattered.emplace_back(basis_.size(), 0);
+      continue;
+    }
     for (int k = 0; k < block.grid.size(); ++k) step.absorbed += block.grid.weight(k) * absorbed[k];
     step.scattered.push_back(block.transport.scattered(block.grid.coefficients(radiance)));
     step.absorbed -= block.transport.sent_by_schlick(step.scattered.back());

@@ -29,9 +29,11 @@ struct BoundedStep {
 /// spherical harmonics, and between them piles that are symmetric about the normal.
 class BoundedTransport {
  public:
-  /// asked: cosines outside along which light is asked for; incident: of beams.
+  /// asked: cosines outside along which light is asked for; incident: of beams. kernels: as
+  /// HarmonicTransport has them.
   BoundedTransport(const Stack& stack, int channel, const HarmonicResolution& resolution,
-                   std::span<const AskedCosine> asked, std::span<const Direction> incident);
+                   std::span<const AskedCosine> asked, std::span<const Direction> incident,
+                   const LayerKernels* kernels = nullptr);
 
   [[nodiscard]] const HarmonicBasis& basis() const { return basis_; }
   [[nodiscard]] const HarmonicResolution& resolution() const { return resolution_; }
@@ -44,6 +46,7 @@ class BoundedTransport {
   [[nodiscard]] const SphereGrid& grid(std::size_t b) const { return blocks_[b].grid; }
   [[nodiscard]] int azimuths() const { return azimuths_; }
   [[nodiscard]] const std::vector<StackElement>& elements() const { return elements_; }
+  [[nodiscard]] const MirroringGround& ground() const { return ground_; }
   /// Places of StackBeam above and below a block.
   [[nodiscard]] std::size_t place_above(std::size_t b) const { return blocks_[b].above; }
   [[nodiscard]] std::size_t place_below(std::size_t b) const { return blocks_[b].below; }
@@ -70,7 +73,7 @@ class BoundedTransport {
 
  private:
   struct Block {
-    Block(Stack inner, const DirectionSets& sets, int channel, const HarmonicBasis& basis,
+    Block(Stack inner, const DirectionSets& sets, int channel, const LayerKernels& kernels,
           const HarmonicResolution& resolution, int azimuths);
     Block(const Block&) = delete;
     Block& operator=(const Block&) = delete;
@@ -87,6 +90,7 @@ class BoundedTransport {
   int azimuths_;
   BlockSurroundings surroundings_;
   std::vector<StackElement> elements_;
+  MirroringGround ground_;
   std::deque<Block> blocks_;
   Eigen::MatrixXd waves_;  // rows: azimuths
 };

@@ -6,14 +6,17 @@
 
 #include "volume/harmonics/harmonic_scope.h"
 #include "volume/harmonics/harmonic_transport.h"
+#include "volume/harmonics/layer_blocks.h"
 
 namespace lamella {
 
 /// Degrees that are tried one after the other; each solution is the bound of the one before.
 inline constexpr int kHarmonicDegrees[] = {12, 17, 24, 34, 48, 68, 96, 136, 192};
 
-/// Narrow distributions change nothing at low degrees: the first one that is worth its time.
+/// Narrow distributions change nothing at low degrees: the first one that is worth its time. Where
+/// boundaries couple all waves, high degrees take long.
 [[nodiscard]] inline std::size_t first_degree(const Stack& stack) {
+  if (has_anisotropic_boundaries(stack)) return 0;
   const double width = narrowest_feature(stack);
   return width > 0.4 ? 0 : width > 0.2 ? 1 : width > 0.08 ? 2 : 3;
 }
@@ -23,6 +26,10 @@ inline constexpr int kHarmonicDegrees[] = {12, 17, 24, 34, 48, 68, 96, 136, 192}
   constexpr double kPower = 3.4;
   return std::pow(static_cast<double>(kHarmonicDegrees[k + 1]) / kHarmonicDegrees[k], kPower);
 }
+
+/// The memory of boundaries' operators at the next degree over that at degree k: nodes and waves of
+/// both sides, where boundaries couple them.
+[[nodiscard]] inline double growth_of_operators(std::size_t k) { return growth(k); }
 
 /// Light that grazes more than this is solved as if it did not.
 [[nodiscard]] inline Direction solvable(Direction wi) {

@@ -146,7 +146,7 @@ void HarmonicLobes::fill_energies(SideResult& side, std::size_t i, bool up) cons
     side.zero[c] = of([&](const HarmonicEnergies& e) {
       return (up ? e.zero_up : e.zero_down) + (is_reflected ? e.mirrored : 0);
     });
-    if (is_reflected) side.specular[c] = {energies_of(c, i).mirrored, 0};
+    if (is_reflected) side.specular[c] = {energies_of(c, i).specular, 0};
   }
 }
 

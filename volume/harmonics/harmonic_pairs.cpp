@@ -114,7 +114,7 @@ class PairRefinement {
                                MatrixProduct(options_.isa));
     for (std::size_t n = 0; n < channels_.size(); ++n) {
       if (is_bounded_)
-        solve_bounded(channels_[n], resolution, next[n]);
+        solve_bounded(channels_[n], resolution, kernels, next[n]);
       else
         solve_open(channels_[n], resolution, kernels, next[n]);
     }
@@ -138,7 +138,7 @@ class PairRefinement {
     }
   }
 
-  void solve_bounded(int channel, const HarmonicResolution& resolution,
+  void solve_bounded(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
                      std::vector<Parts>& answers) const {
     const double bottom = stack_.index_of(stack_.layers.size());
     std::vector<AskedCosine> asked;
@@ -148,7 +148,7 @@ class PairRefinement {
       asked.push_back({std::abs(wo.z), wo.z > 0 ? 1 : bottom});
       if (incident.empty() || !(incident.back() == wi)) incident.push_back(wi);
     }
-    const BoundedTransport transport(stack_, channel, resolution, asked, incident);
+    const BoundedTransport transport(stack_, channel, resolution, asked, incident, &kernels);
     std::optional<BoundedSolution> solution;
     std::size_t beams = 0;
     for (std::size_t place = 0; place < order_.size(); ++place) {

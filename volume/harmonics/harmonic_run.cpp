@@ -59,6 +59,11 @@ class Refinement {
         accuracy_.limit = DeterministicLimit::modes;
         break;
       }
+      if (static_cast<double>(levels().last().bytes) * growth_of_operators(k) >
+          static_cast<double>(options_.max_bytes)) {
+        accuracy_.limit = DeterministicLimit::memory;
+        break;
+      }
       const double next = took * growth(k);
       if (seconds_since(start_) + next > options_.max_seconds) {
         accuracy_.limit = DeterministicLimit::time;
@@ -67,6 +72,7 @@ class Refinement {
     }
     if (!accuracy_.reached && !is_stopped() && solve_pairs(false)) judge();
     accuracy_.seconds = seconds_since(start_);
+    accuracy_.bytes = levels().last().bytes;
     accuracy_.nodes = std::max(32, levels().last().degree + 8);
     accuracy_.modes = levels().last().degree + 1;
     accuracy_.harmonics = levels().last().degree;
@@ -90,7 +96,7 @@ class Refinement {
   }
 
   void solve_level(int degree, const std::atomic<bool>* stop) {
-    HarmonicLevel next{degree, {}};
+    HarmonicLevel next{degree, 0, {}};
     HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
                                                   options_.tolerance, options_.isa, stop);
     resolution.is_even = is_even(stack_, incident());
@@ -98,7 +104,7 @@ class Refinement {
                                MatrixProduct(options_.isa));
     for (const int channel : lobes_.channels()) {
       if (is_bounded_)
-        solve_bounded(channel, resolution, next);
+        solve_bounded(channel, resolution, kernels, next);
       else
         solve_open(channel, resolution, kernels, next);
     }
@@ -120,10 +126,12 @@ class Refinement {
     }
   }
 
-  void solve_bounded(int channel, const HarmonicResolution& resolution,
+  void solve_bounded(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
                      HarmonicLevel& level) const {
     const CellCosines cosines(grid_, stack_);
-    const BoundedTransport transport(stack_, channel, resolution, cosines.asked(), incident());
+    const BoundedTransport transport(stack_, channel, resolution, cosines.asked(), incident(),
+                                     &kernels);
+    level.bytes = std::max(level.bytes, transport.surroundings().bytes());
     level.answers.emplace_back();
     for (std::size_t i = 0; i < incident().size(); ++i) {
       report(resolution.degree);

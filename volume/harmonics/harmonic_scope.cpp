@@ -11,6 +11,8 @@ namespace lamella {
 double narrowest_feature(const Stack& stack) {
   double width = 1;
   for (const Layer& layer : stack.layers) {
+    if (layer.interface && layer.interface->facets.alpha_x != layer.interface->facets.alpha_y)
+      width = std::min({width, layer.interface->facets.alpha_x, layer.interface->facets.alpha_y});
     if (layer.interface || layer.depth() == 0) continue;
     width =
         std::min(width, has_normals(layer.medium) ? width_of_normals(layer.medium)
@@ -27,8 +29,6 @@ std::optional<std::string> why_not_bounded(const Stack& stack) {
     if (!layer.interface) continue;
     if (layer.interface->multiple)
       return "multiple scattering at an interface's facets is left to walks";
-    if (layer.interface->facets.alpha_x != layer.interface->facets.alpha_y)
-      return "interfaces whose roughness differs along x and y are left to walks";
   }
   if (!stack.substrate || stack.substrate->model.empty()) return std::nullopt;
   if (!stack.substrate->law) return "the substrate's model has no law";
@@ -37,10 +37,6 @@ std::optional<std::string> why_not_bounded(const Stack& stack) {
     return stack.substrate->model == kConductor
                ? "multiple scattering at a conductor's facets is left to walks"
                : "the substrate's model is an estimate, which is left to walks";
-  if (law.is_delta())
-    return "a smooth conductor below layers without symmetry about the normal is left to walks";
-  if (!law.is_symmetric_about_z())
-    return "a substrate whose reflection differs along x and y is left to walks";
   return std::nullopt;
 }
 

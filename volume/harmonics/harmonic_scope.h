@@ -11,7 +11,8 @@ namespace lamella {
 /// Why a stack has no solution in spherical harmonics, if it has none.
 [[nodiscard]] std::optional<std::string> why_not_harmonic(const Stack& stack);
 
-/// The width of the narrowest phase function in the stack [radians], 1 at the most: the degree that
+/// The width of the narrowest phase function in the stack, or the roughness of facets that tell x
+/// from y [radians], 1 at the most: the degree that
 /// a solution takes grows with its inverse.
 [[nodiscard]] double narrowest_feature(const Stack& stack);
 

@@ -26,6 +26,7 @@ struct HarmonicEnergies {
   double uncollided = 0, absorbed = 0;
   double zero_up = 0, zero_down = 0;  ///< of order 0, deltas apart
   double mirrored = 0;                ///< as a delta, by smooth boundaries alone
+  double specular = 0;                ///< as deltas of all orders, parts of `mirrored` and `up`
   double lost = 0;                    ///< by single scattering at rough boundaries
 
   [[nodiscard]] double sum() const;

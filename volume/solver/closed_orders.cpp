@@ -98,18 +98,9 @@ Rgb mirrored_share(const Stack& stack, Direction wi) {
   if (!stack.has_boundaries()) return {};
   wi = with_grazing_limit(wi);
   const std::vector<StackElement> elements = elements_of(stack);
-  const SurfaceLaw* law = stack.substrate ? stack.substrate->law.get() : nullptr;
-  if (law && !law->is_delta()) law = nullptr;
   Rgb share;
-  for (int c = 0; c < 3; ++c) {
-    const auto ground = [&](double mu) {
-      if (!law || !(mu > 0)) return 0.0;
-      RandomStream unused(0, 0, StreamPurpose::walk);
-      const auto sample = law->sample({std::sqrt((1 - mu) * (1 + mu)), 0, mu}, unused);
-      return sample ? sample->weight[c] : 0.0;
-    };
-    share[c] = beam_of(elements, wi, false, ground).up.front();
-  }
+  for (int c = 0; c < 3; ++c)
+    share[c] = beam_of(elements, wi, false, ground_of(stack, c)).up.front();
   return share;
 }
 

@@ -5,6 +5,7 @@
 
 #include "phase/interface/dielectric.h"
 #include "phase/stack/stack.h"
+#include "volume/solver/order_shares.h"
 
 namespace lamella {
 
@@ -27,17 +28,28 @@ struct StackElement {
 
 /// A beam and all its reflections at smooth boundaries: shares of the power that arrives, at the
 /// places between elements: before the first, ... after the last. Beams end at rough boundaries.
-struct StackBeam {
+template <class Share>
+struct StackBeamOf {
   std::vector<double> mu;                  ///< by place; 0: totally reflected before
-  std::vector<double> down, up;            ///< by place
+  std::vector<Share> down, up;             ///< by place
   std::vector<double> rate_down, rate_up;  ///< by element: optical depth per depth
 };
+using StackBeam = StackBeamOf<double>;
+
+/// The share that the substrate mirrors of what arrives there, by its cosine.
+using MirroringGround = std::function<double(double mu)>;
 
 /// The beam from w, which may lie on either side. reversed: light that leaves along w, run
-/// backwards. ground: the share that the substrate mirrors of what arrives there, by its cosine.
+/// backwards.
 [[nodiscard]] StackBeam beam_of(
     const std::vector<StackElement>& elements, Direction w, bool reversed,
-    const std::function<double(double mu)>& ground = [](double) { return 0.0; });
+    const MirroringGround& ground = [](double) { return 0.0; });
+/// The same by order: what the substrate mirrors has met one more event.
+[[nodiscard]] StackBeamOf<OrderShares> beam_by_order(const std::vector<StackElement>& elements,
+                                                     Direction w, const MirroringGround& ground);
+
+/// The substrate of a stack in one channel: it mirrors where it is a smooth conductor.
+[[nodiscard]] MirroringGround ground_of(const Stack& stack, int channel);
 
 /// w of a medium of index `from` within a medium of index `to`, where its third component is z.
 [[nodiscard]] inline Direction refracted_to(Direction w, double from, double to, double z) {

@@ -33,6 +33,9 @@ class RandomStack {
             "[substrate]\nbsdf = \"conductor\"\neta = 0.3\nk = 3\ndistribution = \"ggx\"\n"
             "roughness = 0.4\n";
         break;
+      case 3:
+        toml_ += "[substrate]\nbsdf = \"conductor\"\neta = 0.3\nk = 3\ndistribution = \"smooth\"\n";
+        break;
       default:
         break;
     }
@@ -104,6 +107,67 @@ TEST(BoundedRun, AgreesWithWalksOnRandomStacks) {
       }
     }
   }
+}
+
+// Facets and grounds that tell x from y, over and under layers that do and that do not: energies
+// and cells of walks, whose z have a root mean square near 1; and what memory the operators may
+// take.
+TEST(BoundedRun, TakesBoundariesThatDifferAlongXAndY) {
+  const std::string ground =
+      "[substrate]\nbsdf = \"conductor\"\neta = 0.2\nk = 3\ndistribution = \"ggx\"\n"
+      "roughness = [0.6, 0.45]\n";
+  const std::string face = "[[layer]]\ninterface = \"ggx\"\nior = 1.5\nroughness = [0.6, 0.45]\n";
+  const std::string tilted = layer(sggx(0.7, "lambert") + "\naxis = [1, 0.2, 0.3]", 0.9, 0.7);
+  for (const std::string& toml : {layer(kIsotropic, 0.9, 0.7) + ground, face + tilted}) {
+    const Stack stack = stack_of(toml);
+    const Direction wi[] = {direction_from_mu_phi(0.7, 0.5)};
+    const Plan plan = make_plan(stack);
+    const CellGrid grid{2, 4};
+    const RunResult solved = harmonic_runs(
+        stack, plan, wi, grid, {.tolerance = 2e-3, .max_seconds = kInfinity, .max_degree = 17})[0];
+    EXPECT_LT(solved.accuracy->error, 0.01) << toml;
+    EXPECT_GT(solved.accuracy->bytes, 1000000U) << toml;
+    EXPECT_NEAR(ledger_sum(solved, 0), 1, 1e-7) << toml;
+    Simulation walks(stack, plan, wi[0], Estimator::analog, grid, 5);
+    walks.advance(is_soak() ? 100000000 : 500000);
+    const RunResult found = reduce(walks);
+    const double limit = testing::normal_quantile(testing::test_level() / 200);
+    double squares = 0;
+    int count = 0;
+    const auto agree = [&](const Estimate& a, const Estimate& b, const std::string& what) {
+      EXPECT_LT(std::abs(a.value - b.value), limit * b.standard_error + a.standard_error + 1e-6)
+          << what << ' ' << a.value << ' ' << b.value << '\n'
+          << toml;
+    };
+    agree(solved.absorbed[0], found.absorbed[0], "absorbed");
+    agree(solved.lost[0], found.lost[0], "lost");
+    for (const auto side : {&RunResult::reflected, &RunResult::transmitted}) {
+      const SideResult &a = solved.*side, &b = found.*side;
+      agree(a.total[0], b.total[0], "total");
+      agree(a.zero[0], b.zero[0], "zero");
+      for (int o = 0; o < kTallyOrders; ++o) agree(a.orders[o][0], b.orders[o][0], "order");
+      for (const Order order : {Order::zero, Order::one, Order::two, Order::multiple}) {
+        const LobeEstimate &x = a.lobes[order], &y = b.lobes[order];
+        for (std::size_t k = 0; k < x.value.size(); ++k)
+          if (y.standard_error[k] > 0) {
+            agree({x.value[k], x.standard_error[k]}, {y.value[k], y.standard_error[k]},
+                  "cell of order " + to_text(order));
+            const double z = (x.value[k] - y.value[k]) / y.standard_error[k];
+            squares += z * z;
+            ++count;
+          }
+      }
+    }
+    EXPECT_NEAR(std::sqrt(squares / count), 1, 0.5) << toml;
+  }
+  // Degree 17 would take more than that.
+  const Stack stack = stack_of(layer(kIsotropic, 0.9, 0.7) + ground);
+  const Direction wi[] = {direction_from_mu_phi(0.7, 0.5)};
+  const RunResult small =
+      harmonic_runs(stack, make_plan(stack), wi, {2, 4},
+                    {.tolerance = 1e-6, .max_seconds = kInfinity, .max_bytes = 5000000})[0];
+  EXPECT_EQ(small.accuracy->harmonics, 12);
+  EXPECT_EQ(small.accuracy->limit, DeterministicLimit::memory);
 }
 
 // Cells are means of values at pairs: their sums over a fine rule agree within both bounds. In

@@ -16,6 +16,11 @@ namespace {
 
 const std::string kSmooth = "[[layer]]\ninterface = \"smooth\"\nior = 1.5\n";
 const std::string kRough = "[[layer]]\ninterface = \"ggx\"\nior = 1.5\nroughness = 0.4\n";
+const std::string kMirror =
+    "[substrate]\nbsdf = \"conductor\"\neta = 0.2\nk = 3\ndistribution = \"smooth\"\n";
+const std::string kWhiteMirror =
+    "[substrate]\nbsdf = \"conductor\"\neta = 1\nk = 1\nfresnel = \"one\"\ndistribution = "
+    "\"smooth\"\n";
 
 // One direction at one resolution, and f along others.
 struct BoundedSolved {
@@ -64,7 +69,8 @@ TEST(BoundedSolution, IsThatOfTheSymmetricSolver) {
         Case{kRough + iso + lambert_ground(0.5), 24, 1e-4},
         Case{kSmooth + layer(sggx(0.6, "mirror"), 0.9, 0.7) + lambert_ground(0.3), 26, 1e-3},
         Case{kSmooth + layer(kSphere, 0.9, kInfinity), 20, 1e-5},
-        Case{kSmooth + layer(vmf(0.6, "lambert"), 0.9, 1), 24, 1e-5}}) {
+        Case{kSmooth + layer(vmf(0.6, "lambert"), 0.9, 1), 24, 1e-5}, Case{iso + kMirror, 16, 1e-6},
+        Case{kSmooth + layer(henyey_greenstein(0.3), 0.8, 0.5) + kMirror, 16, 1e-6}}) {
     const Stack stack = stack_of(c.toml);
     const DeterministicSolution exact = solve_deterministic(stack, {.tolerance = 1e-6});
     for (const double mu : {0.7, 0.05, -0.5}) {
@@ -111,7 +117,8 @@ TEST(BoundedSolution, IsThatOfTheSymmetricSolver) {
 TEST(BoundedSolution, KeepsAllLightBetweenSmoothBoundaries) {
   const std::string fibers = sggx(0.6, "mirror") + "\nshape = \"fiber\"\naxis = [1, 0.2, 0.3]";
   for (const std::string& toml :
-       {kSmooth + layer(fibers, 1, 1) + lambert_ground(1),
+       {kSmooth + layer(fibers, 1, 1) + lambert_ground(1), layer(fibers, 1, 1) + kWhiteMirror,
+        kSmooth + layer(fibers, 1, 1) + kWhiteMirror,
         kSmooth + layer("medium = \"sggx\"\nmatrix = [0.5, 0.7, 1, 0.1, 0.05, 0]", 1, 1) +
             "[[layer]]\ninterface = \"smooth\"\nior = 1.2\n" + layer(kIsotropic, 1, 0.5)})
     for (const double mu : {0.9, 0.2}) {

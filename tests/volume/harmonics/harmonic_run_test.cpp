@@ -230,16 +230,14 @@ TEST(HarmonicRun, SaysWhatItLeavesToWalks) {
   const auto face = [](const std::string& keys) { return "[[layer]]\ninterface = " + keys; };
   EXPECT_EQ(reason(face("\"smooth\"\nior = 1.5\n") + tilted + lambert_ground(0.5)), "none");
   EXPECT_EQ(reason(face("\"ggx\"\nior = 1.5\nroughness = 0.2\n") + tilted), "none");
-  EXPECT_NE(reason(face("\"ggx\"\nior = 1.5\nroughness = [0.2, 0.4]\n") + tilted).find("x and y"),
-            std::string::npos);
+  EXPECT_EQ(reason(face("\"ggx\"\nior = 1.5\nroughness = [0.2, 0.4]\n") + tilted), "none");
   EXPECT_NE(
       reason(face("\"ggx\"\nior = 1.5\nroughness = 0.2\nscattering = \"multiple\"\n") + tilted)
           .find("multiple"),
       std::string::npos);
-  EXPECT_NE(reason(tilted + "[substrate]\nbsdf = \"conductor\"\neta = 1\nk = 4\n"
-                            "distribution = \"smooth\"\n")
-                .find("smooth conductor"),
-            std::string::npos);
+  EXPECT_EQ(reason(tilted + "[substrate]\nbsdf = \"conductor\"\neta = 1\nk = 4\n"
+                            "distribution = \"smooth\"\n"),
+            "none");
   EXPECT_EQ(reason(layer("medium = \"sggx\"\nmatrix = [0.3, 0.5, 1, 0, 0, 0.1]", 1, 1)), "none");
 }
 
