@@ -9,6 +9,7 @@
 #include "phase/math/larger_error.h"
 #include "phase/parameters/parameters.h"
 #include "volume/harmonics/harmonic_run.h"
+#include "volume/harmonics/layer_blocks.h"
 #include "volume/solver/answer_check.h"
 #include "volume/solver/deterministic_run.h"
 
@@ -83,6 +84,10 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
             fmt::format("the stack is not symmetric about the normal and scatters as narrowly as "
                         "{:.2g}, which takes --estimator deterministic minutes",
                         narrowest_feature(stack)),
+            nullptr};
+  if (has_anisotropic_boundaries(stack))
+    return {of_walks,
+            "a boundary differs along x and y, which takes --estimator deterministic minutes",
             nullptr};
   if (!stack.is_symmetric_about_z())
     return {Estimator::deterministic,

@@ -95,11 +95,12 @@ class FacetsOfLargeRoughness(ProgramTest):
 class WhereTheSolverDoesNotApply(ProgramTest):
     def test_it_is_refused_with_status_2_and_the_reason(self):
         self.write("tilted.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\n'
-                                  'roughness = [0.1, 0.2]\n[[layer]]\nmedium = "vmf_flake"\n'
+                                  'roughness = 0.2\nscattering = "multiple"\n'
+                                  '[[layer]]\nmedium = "vmf_flake"\n'
                                   "roughness = 0.5\naxis = [1, 0, 1]\nthickness = inf\n")
         self.write("delta.toml", '[[layer]]\nmedium = "vmf_flake"\nroughness = 0\n'
                                  'flake = "mirror"\nthickness = 1\n')
-        for stack, reason in (("tilted.toml", "differs along x and y"), ("delta.toml", "delta")):
+        for stack, reason in (("tilted.toml", "multiple scattering"), ("delta.toml", "delta")):
             for command in ("simulate", "compare", "furnace"):
                 answer = self.lamella(command, stack, *SOLVER, status=2)
                 self.assertIn(reason, answer.err)

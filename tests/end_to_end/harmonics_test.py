@@ -39,8 +39,11 @@ class Harmonics(ProgramTest):
         self.assertIn("narrowly", answer)
         self.write("coated.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\n'
                    'roughness = [0.1, 0.2]\n' + FABRIC)
+        self.assertIn("differs along x and y", self.lamella("explain", "coated.toml").out)
+        self.write("coated.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\nroughness = 0.2\n'
+                   'scattering = "multiple"\n' + FABRIC)
         answer = self.lamella("simulate", "coated.toml", "--estimator", "deterministic", status=2)
-        self.assertIn("differs along x and y", answer.err)
+        self.assertIn("multiple scattering", answer.err)
         self.assertEqual(len(answer.err.splitlines()), 1)
 
     def test_a_coat_is_solved_with_what_lies_under_it(self):
