@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "compare/drawing/chart.h"
 #include "compare/files/output_folder.h"
@@ -45,7 +46,21 @@ std::uint32_t most_samples(const PathPicture& picture) {
   return *std::max_element(picture.samples.begin(), picture.samples.end());
 }
 
+// A model that sends out more light than came in gains it anew with every reflection.
+void check_picture(const NamedPicture& named) {
+  double largest = 0;
+  for (std::size_t k = 0; k < named.picture.samples.size(); ++k)
+    largest = std::max({largest, named.picture.mean(k).max(), named.picture.variance(k).max()});
+  if (largest > std::numeric_limits<float>::max())
+    throw OutputError(
+        fmt::format("the picture of {} has values of {:.1e}, which are no floats: the model gains "
+                    "light at every reflection; allowed: a smaller --depth, or other models "
+                    "(--model)",
+                    named.name, largest));
+}
+
 void add_picture(ExrImage& image, const NamedPicture& named, bool plain) {
+  check_picture(named);
   const PathPicture& p = named.picture;
   for (int c = 0; c < 3; ++c) {
     std::vector<double> mean, variance;

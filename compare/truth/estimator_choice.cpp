@@ -79,15 +79,15 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
   if (!request.given.empty())
     return {of_walks, fmt::format("{} asks for walks", to_text(request.given.front())), nullptr};
   if (const auto reason = why_no_solver(stack)) return {of_walks, *reason, nullptr};
+  if (has_anisotropic_boundaries(stack))
+    return {of_walks,
+            "a boundary differs along x and y, which takes --estimator deterministic minutes",
+            nullptr};
   if (!stack.is_symmetric_about_z() && narrowest_feature(stack) < kNarrow)
     return {of_walks,
             fmt::format("the stack is not symmetric about the normal and scatters as narrowly as "
                         "{:.2g}, which takes --estimator deterministic minutes",
                         narrowest_feature(stack)),
-            nullptr};
-  if (has_anisotropic_boundaries(stack))
-    return {of_walks,
-            "a boundary differs along x and y, which takes --estimator deterministic minutes",
             nullptr};
   if (!stack.is_symmetric_about_z())
     return {Estimator::deterministic,

@@ -82,6 +82,12 @@ class PathsOnAnObject(ProgramTest):
                     self.assertAlmostEqual(picture[name]["mean_luminance"] + picture[name]["cut"], 1,
                                            delta=4.5 * picture[name]["standard_error"] + 1e-3, msg=name)
 
+    def test_say_which_model_gains_light_without_end(self):
+        answer = self.lamella("preview", "spongecake_wood", "--white", "--shape", "sphere", "--size", "16",
+                              "--samples", "4", "--depth", "64", "--quiet", "-o", "out", status=2)
+        self.assertIn("the model gains light", answer.err)
+        self.assertEqual(answer.err.count("\n"), 1)
+
     def test_see_what_the_table_shows(self):
         pictures = self.traced("lambert_sphere_halfspace", "--shape", "sphere", "--size", "24", "--samples", "64",
                                "--table", "--model", "lambert_sphere_three_term")

@@ -206,8 +206,9 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
     notes.push_back({"place", "x and y in the tile of all grids; light enters all over it",
                      "f is the mean over the tile"});
   if (plan.has_grids() && plan.isa != Isa::scalar) {
-    const bool on_lanes = std::all_of(plan.grids.begin(), plan.grids.end(),
-                                      [](const auto& grid) { return !grid || make_ray_table(*grid); });
+    const bool on_lanes = std::all_of(plan.grids.begin(), plan.grids.end(), [](const auto& grid) {
+      return !grid || make_ray_table(*grid);
+    });
     notes.push_back(
         on_lanes
             ? PlanNote{"shadow rays", fmt::format("{} lanes, single precision", to_text(plan.isa)),
