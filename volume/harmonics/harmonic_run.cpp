@@ -17,7 +17,7 @@ namespace lamella {
 namespace {
 
 // Share of the tolerance for the quadrature of order 1 over cells.
-constexpr double kFirstShare = 0.1;
+constexpr double kFirstShare = 0.03;
 // This number of cells has order 2 integrated over pairs of mirrors without a look at the clock;
 // for more of them a sample tells what all would take.
 constexpr std::size_t kFewPairCells = 200, kSampledCells = 8;
@@ -25,7 +25,7 @@ constexpr std::size_t kFewPairCells = 200, kSampledCells = 8;
 constexpr double kHopeless = 4;
 // Shares of the tolerance for what mirrors scatter twice: of harmonics, which are kept within it,
 // and of its quadrature.
-constexpr double kSecondShare = 0.3, kPairShare = 0.1;
+constexpr double kSecondShare = 0.3, kPairShare = 0.13;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -30,7 +30,7 @@ const std::array<std::array<double, kAlong>, kAlong>& projection() {
 }
 
 // What a series leaves whose last coefficients are these: a geometric one by the ratio of pairs.
-double left_over(const std::array<double, kAlong>& sizes) {
+double left_after(const std::array<double, kAlong>& sizes) {
   const double last = std::max(sizes[kAlong - 1], sizes[kAlong - 2]);
   const double before = std::max(sizes[kAlong - 3], sizes[kAlong - 4]);
   if (last == 0) return 0;
@@ -45,6 +45,29 @@ std::array<double, kAlong> LegendrePatch::legendre(double x) {
   for (int k = 1; k + 1 < kAlong; ++k)
     values[k + 1] = ((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1);
   return values;
+}
+
+LegendrePatch::LeftOver LegendrePatch::on_axes(const std::function<Rgb(double u, double v)>& f) {
+  const Quadrature& rule = cached_gauss_legendre(kAlong);
+  std::array<Rgb, kAlong> along_u{}, along_v{};
+  for (int a = 0; a < kAlong; ++a) {
+    const Rgb of_u = f(rule.points[a], 0.5), of_v = f(0.5, rule.points[a]);
+    for (int k = 0; k < kAlong; ++k) {
+      along_u[k] += projection()[a][k] * of_u;
+      along_v[k] += projection()[a][k] * of_v;
+    }
+  }
+  LeftOver worst;
+  for (int channel = 0; channel < 3; ++channel) {
+    std::array<double, kAlong> u{}, v{};
+    for (int k = 0; k < kAlong; ++k) {
+      u[k] = std::abs(along_u[k][channel]) / std::sqrt(2 * k + 1);
+      v[k] = std::abs(along_v[k][channel]) / std::sqrt(2 * k + 1);
+    }
+    worst.u = std::max(worst.u, left_after(u));
+    worst.v = std::max(worst.v, left_after(v));
+  }
+  return worst;
 }
 
 LegendrePatch::LegendrePatch(const std::function<Rgb(double u, double v)>& f) {
@@ -68,8 +91,8 @@ LegendrePatch::LegendrePatch(const std::function<Rgb(double u, double v)>& f) {
       }
     for (std::array<double, kAlong>* sizes : {&of_u, &of_v})
       for (int k = 0; k < kAlong; ++k) (*sizes)[k] = std::sqrt((*sizes)[k] / (2 * k + 1));
-    left_over_u_ = std::max(left_over_u_, left_over(of_u));
-    left_over_v_ = std::max(left_over_v_, left_over(of_v));
+    left_over_.u = std::max(left_over_.u, left_after(of_u));
+    left_over_.v = std::max(left_over_.v, left_after(of_v));
   }
 }
 

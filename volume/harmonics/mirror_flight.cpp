@@ -152,7 +152,7 @@ Rgb MirrorFlight::circle(double cosine) {
     panels_.place_arc(end, 2 * kPi - end, near, zeros_, longest_);
     add_arc(circle, false, sum);
   }
-  return layers_.channels == 1 ? Rgb(sum[0]) : Rgb(sum[0], sum[1], sum[2]);
+  return layers_.channels == 1 ? sum[0] * layers_.tint : Rgb(sum[0], sum[1], sum[2]);
 }
 
 // The mu below which what light meets along w varies.

@@ -39,6 +39,7 @@ MirrorLayers::MirrorLayers(const Stack& given, Isa isa, MirrorCircles circles)
   if (const auto on_lanes = circle_sum_lanes_for(isa)) sum = on_lanes;
   for (const Layer& layer : stack.layers)
     if (!layer.interface && layer.depth() > 0) add(layer);
+  find_colors();
   if (circles == MirrorCircles::about_normal) return;
   constexpr double kUpright = 1e-3;  // sine of the angle to the normal
   const std::optional<Direction> axis = shared_axis();
@@ -60,7 +61,6 @@ void MirrorLayers::add(const Layer& layer) {
       std::find_if(media.begin(), media.end(), [&](const Medium* m) { return *m == medium; });
   part.area = static_cast<int>(same - media.begin());
   if (same == media.end()) media.push_back(&medium);
-  if (!layer.albedo.is_grey() || !layer.f0.is_grey()) channels = 3;
   CircleMirror mirror{};
   SggxMatrix<double> inverse{};
   mirror.has_schlick = !(layer.f0 == Rgb(1));
@@ -90,6 +90,30 @@ void MirrorLayers::add(const Layer& layer) {
     inverses.push_back(inverse);
   }
   parts.push_back(part);
+}
+
+void MirrorLayers::find_colors() {
+  constexpr double kSame = 1e-15;
+  Rgb strongest;
+  for (const CircleMirror& m : mirrors) {
+    const Rgb albedo(m.albedo[0], m.albedo[1], m.albedo[2]);
+    if (albedo.max() > strongest.max()) strongest = albedo;
+  }
+  const double most = strongest.max();
+  if (most == 0) return;
+  const Rgb color = (1 / most) * strongest;
+  const auto is_of_color = [&](const CircleMirror& m) {
+    const double own = std::max({m.albedo[0], m.albedo[1], m.albedo[2]});
+    for (int c = 0; c < 3; ++c)
+      if (m.f0[c] != m.f0[0] || std::abs(m.albedo[c] - own * color[c]) > kSame) return false;
+    return true;
+  };
+  if (!std::all_of(mirrors.begin(), mirrors.end(), is_of_color)) {
+    channels = 3;
+    return;
+  }
+  tint = color * color;
+  for (CircleMirror& m : mirrors) m.albedo[0] = std::max({m.albedo[0], m.albedo[1], m.albedo[2]});
 }
 
 void MirrorLayers::find_symmetries() {

@@ -37,13 +37,17 @@ struct MirrorLayers {
   /// in the plane across it, leaves all media as they are.
   bool is_symmetric_about_axis = false, is_symmetric_across_axis = false;
   double longest;  ///< part of a circle [radians]
+  /// Channels of the circles' sums; where albedos of all mirrors are multiples of one colour, one
+  /// channel is enough, and `tint` times its sum is the colour.
   int channels = 1;
+  Rgb tint = Rgb(1);
   void (*sum)(const CircleTask& task);
 
  private:
   void add(const Layer& layer);
   [[nodiscard]] std::optional<Direction> shared_axis() const;
   void find_symmetries();
+  void find_colors();
 };
 
 /// Of flakes with these normals; null for all others.

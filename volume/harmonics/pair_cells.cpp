@@ -19,6 +19,8 @@ constexpr int kMaxHalvings = 12;
 // From this number of cells on, one field serves all.
 constexpr std::size_t kManyCells = 32;
 constexpr double kShareOfPoint = 0.5;  // of the tolerance, for each point
+// A part whose two middle lines leave this many times the tolerance is halved at once.
+constexpr double kHopeless = 3;
 
 // Rows and columns of cells whose f is summed up from polynomials.
 class Block {
@@ -68,20 +70,30 @@ class Block {
       of_points = std::max(of_points, value.error);
       return value.f;
     };
+    const LegendrePatch::LeftOver on_axes = LegendrePatch::on_axes(f);
+    if (on_axes.sum() > kHopeless * tolerance_ && halvings < kMaxHalvings) {
+      halve(part, on_axes, halvings);
+      return;
+    }
+    of_points = 0;
     const LegendrePatch patch(f);
-    double error = patch.left_over_u() + patch.left_over_v();
+    double error = patch.left_over().sum();
     if (error <= tolerance_ || halvings == kMaxHalvings) error = std::max(error, patch.off(f));
     if (error > tolerance_ && halvings < kMaxHalvings) {
-      Part first = part, second = part;
-      if (patch.left_over_u() > patch.left_over_v())
-        first.t1 = second.t0 = cut(part.t0, part.t1, t_edges_);
-      else
-        first.phi1 = second.phi0 = cut(part.phi0, part.phi1, phi_edges_);
-      add(first, halvings + 1);
-      add(second, halvings + 1);
+      halve(part, patch.left_over(), halvings);
       return;
     }
     take(part, patch, error + of_points);
+  }
+
+  void halve(const Part& part, LegendrePatch::LeftOver left, int halvings) {
+    Part first = part, second = part;
+    if (left.u > left.v)
+      first.t1 = second.t0 = cut(part.t0, part.t1, t_edges_);
+    else
+      first.phi1 = second.phi0 = cut(part.phi0, part.phi1, phi_edges_);
+    add(first, halvings + 1);
+    add(second, halvings + 1);
   }
 
   [[nodiscard]] MirrorPairs::Value value(double t, double phi) const {

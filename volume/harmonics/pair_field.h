@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "volume/harmonics/legendre_patch.h"
 #include "volume/harmonics/mirror_pairs.h"
 
 namespace lamella {
@@ -19,6 +20,8 @@ class PairField {
  public:
   /// Whether all mirrors share an axis that is not the normal.
   [[nodiscard]] static bool applies(const MirrorPairs& pairs);
+  /// Values that a part takes, of those that are halved with it.
+  static constexpr int kValuesOfPart = LegendrePatch::kAlong * (LegendrePatch::kAlong + 5);
   /// About how many values a field takes. tolerance: relative to f. width: of the kernel [radians].
   [[nodiscard]] static double expected_pairs(const MirrorPairs& pairs, Direction wi,
                                              double tolerance, double width);
