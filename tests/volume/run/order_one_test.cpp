@@ -79,9 +79,13 @@ TEST(ExactOrderOne, TakesTheVarianceOfOrderOneOutOfTheSumAndKeepsTheBooks) {
             energy += exact.grid.projected_solid_angle() *
                       one.value[static_cast<std::size_t>(c) * exact.grid.cells() + k];
           EXPECT_NEAR(a.orders[0][c].value, energy, 1e-12);
-          // Never more noise, but for the bound of order 1.
+          // A regression adds no noise to an account. It is on the sum of all known ones, both sides
+          // and what was not collided, so that a total may lose a little of what order 1 of its own
+          // side would tell: 1.4 % at most here.
+          EXPECT_LE(a.multiple[c].standard_error,
+                    b.multiple[c].standard_error * (1 + 1e-12) + a.orders[0][c].standard_error);
           EXPECT_LE(a.total[c].standard_error,
-                    b.total[c].standard_error * (1 + 1e-12) + a.orders[0][c].standard_error);
+                    b.total[c].standard_error * 1.05 + a.orders[0][c].standard_error);
           EXPECT_NEAR(a.total[c].value, a.zero[c].value + energy + a.multiple[c].value, 1e-12);
           double orders = a.zero[c].value;
           for (int o = 0; o < kTallyOrders; ++o) orders += a.orders[o][c].value;
