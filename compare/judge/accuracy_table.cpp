@@ -41,8 +41,8 @@ std::string toml_of(const Family& family, const std::vector<double>& values) {
 }
 
 constexpr double kCoatTolerance = 1e-4, kLeaningTolerance = 1e-6;
-// Of a direction among flakes that lean, most of it for 0.3.
-constexpr double kLeaningSeconds = 300;
+// Of four directions among flakes that lean; on a machine with other work some take five minutes.
+constexpr double kLeaningSeconds = 1200;
 
 // One of the values at a time, about an index of 1.5, alpha 0.1 and albedo 0.8; then the corners
 // where light stays longest.
