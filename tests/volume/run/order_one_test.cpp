@@ -79,9 +79,9 @@ TEST(ExactOrderOne, TakesTheVarianceOfOrderOneOutOfTheSumAndKeepsTheBooks) {
             energy += exact.grid.projected_solid_angle() *
                       one.value[static_cast<std::size_t>(c) * exact.grid.cells() + k];
           EXPECT_NEAR(a.orders[0][c].value, energy, 1e-12);
-          // A regression adds no noise to an account. It is on the sum of all known ones, both sides
-          // and what was not collided, so that a total may lose a little of what order 1 of its own
-          // side would tell: 1.4 % at most here.
+          // A regression adds no noise to an account. It is on the sum of all known ones, both
+          // sides and what was not collided, so that a total may lose a little of what order 1 of
+          // its own side would tell: 1.4 % at most here.
           EXPECT_LE(a.multiple[c].standard_error,
                     b.multiple[c].standard_error * (1 + 1e-12) + a.orders[0][c].standard_error);
           EXPECT_LE(a.total[c].standard_error,
