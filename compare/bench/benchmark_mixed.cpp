@@ -1,11 +1,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include <algorithm>
-#include <limits>
-
 #include "compare/bench/benchmark.h"
-#include "compare/bench/lane_sorting.h"
 #include "compare/request/stopwatch.h"
 #include "phase/stack/stack_file.h"
 #include "volume/run/simulation.h"
@@ -33,8 +29,11 @@ Stack stack_of(const std::vector<MixedMedium>& media, const std::string& name) {
 // Walks with cells, by their seconds per collision.
 class TimedWalks {
  public:
-  TimedWalks(const Stack& stack, Isa isa, std::uint64_t seed) : plan_(make_plan(stack)) {
+  TimedWalks(const Stack& stack, Isa isa, std::uint64_t seed,
+             LayerTurns turns = LayerTurns::where_faster)
+      : plan_(make_plan(stack)) {
     plan_.isa = isa;
+    plan_.layer_turns = turns;
     walks_ = std::make_unique<Simulation>(stack, plan_, benchmark_incident(), Estimator::analog,
                                           CellGrid{}, seed);
   }
@@ -55,9 +54,10 @@ class TimedWalks {
   std::unique_ptr<Simulation> walks_;
 };
 
-// Returns what masks cost: seconds per collision beyond those of each medium alone.
-double measure(const std::vector<MixedMedium>& media, const BenchmarkEffort& effort,
-               std::uint64_t seed, const ReportRow& report) {
+// Stacks of several media, beside those of each medium alone, and beside lanes each in its own
+// layer.
+void measure(const std::vector<MixedMedium>& media, const BenchmarkEffort& effort,
+             std::uint64_t seed, const ReportRow& report) {
   std::string name;
   std::vector<TimedWalks> alone;
   for (const MixedMedium& medium : media) {
@@ -66,42 +66,31 @@ double measure(const std::vector<MixedMedium>& media, const BenchmarkEffort& eff
     alone.emplace_back(stack_of(same, medium.name), effort.isa, seed);
   }
   TimedWalks mixed(stack_of(media, name), effort.isa, seed);
-  double sum = 0, sum_alone = 0;
+  TimedWalks apart(stack_of(media, name), effort.isa, seed, LayerTurns::never);
+  double sum = 0, sum_alone = 0, sum_apart = 0;
   for (int k = 0; k < effort.repetitions; ++k) {
     sum += mixed.seconds_per_collision(effort.repetition_seconds);
+    sum_apart += apart.seconds_per_collision(effort.repetition_seconds);
     for (TimedWalks& walks : alone)
       sum_alone += walks.seconds_per_collision(effort.repetition_seconds) /
                    static_cast<double>(alone.size());
   }
-  BenchmarkRow row{.what = name, .kind = "walk"};
-  row.seconds = sum / effort.repetitions * static_cast<double>(mixed.simulation().collisions());
-  row.collisions_per_second_per_core = effort.repetitions / sum;
+  const auto row_of = [&](const TimedWalks& walks, double taken) {
+    BenchmarkRow row{.what = name, .kind = "walk"};
+    row.seconds = taken / effort.repetitions * static_cast<double>(walks.simulation().collisions());
+    row.collisions_per_second_per_core = effort.repetitions / taken;
+    row.extra = {{"walks", walks.simulation().walks()}, {"isa", to_text(walks.simulation().isa())}};
+    return row;
+  };
+  BenchmarkRow row = row_of(mixed, sum);
   row.baseline = "the mean of stacks of each medium alone, as many layers";
   row.ratio_to_baseline = sum_alone / sum;
-  row.extra = {{"walks", mixed.simulation().walks()}, {"isa", to_text(mixed.simulation().isa())}};
   report(std::move(row));
-  return (sum - sum_alone) / effort.repetitions;
-}
-
-// What it would cost to have lanes sorted by medium instead: to move walks whenever that changes.
-void measure_sorting(const BenchmarkEffort& effort, double masks, const ReportRow& report) {
-  const auto sort = sort_walks_for(effort.isa);
-  if (!sort) return;
-  const double walks = sorted_walks_for(effort.isa)();
-  double best = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < effort.repetitions; ++k) {
-    std::uint32_t steps = 1024, sum = 0;
-    double taken = 0;
-    while (taken < effort.repetition_seconds) taken = seconds_of([&] { sum += sort(steps *= 2); });
-    if (sum == 1) return;  // which it is not: what is summed has been moved
-    best = std::min(best, taken / (steps * walks));
-  }
-  BenchmarkRow row{.what = "mixed/sorting two media, per walk and step", .kind = "walk"};
-  row.seconds = best;
-  row.baseline = "what masks cost two media per collision";
-  row.ratio_to_baseline = std::max(0.0, masks) / best;
-  row.extra["isa"] = to_text(effort.isa);
-  report(std::move(row));
+  BenchmarkRow turns = row_of(mixed, sum);
+  turns.what += ", in turns";
+  turns.baseline = "lanes each in its own layer";
+  turns.ratio_to_baseline = sum_apart / sum;
+  report(std::move(turns));
 }
 
 }  // namespace
@@ -113,17 +102,7 @@ void measure_mixed(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
                                                      {kSphere, kVmf},
                                                      {kSggx, kVmf},
                                                      {kSphere, kHenyeyGreenstein, kSggx, kVmf}};
-  double masks = 0;
-  int pairs = 0;
-  for (const auto& media : stacks)
-    one.execute([&] {
-      const double cost = measure(media, effort, seed, report);
-      if (media.size() == 2) {
-        masks += cost;
-        ++pairs;
-      }
-    });
-  one.execute([&] { measure_sorting(effort, masks / pairs, report); });
+  for (const auto& media : stacks) one.execute([&] { measure(media, effort, seed, report); });
 }
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-// Walks through stacks of any media, with or without weights.
+// Walks through stacks of any media, with or without weights: each lane in its own layer.
 
 #include "volume/lanes/lane_next_event.h"
 

@@ -7,6 +7,7 @@
 #include "phase/lanes/lane_erf.h"
 #include "volume/lanes/lane_boundaries.h"
 #include "volume/lanes/lane_loop.h"
+#include "volume/lanes/lane_stored_walks.h"
 
 namespace lamella::LAMELLA_ISA {
 
@@ -212,48 +213,6 @@ template <int C, class Set, class Score>
   sums.meetings += meetings;
 }
 
-/// Walks that no lane has, the last one first.
-template <int C>
-struct StoredWalks {
-  static constexpr int kMost = 4 * kSets * kLanes, kRoom = kMost + kLanes, kRows = 16 + C;
-  int size = 0;
-  bool lattice = false;
-  alignas(64) std::uint32_t rows[kRows][kRoom];
-
-  /// f(a number of the walks, its row) for all that is stored.
-  template <class F>
-  LAMELLA_INLINE void each(BoundedState<Floats, C>& w, const F& f) const {
-    const auto number = [&](Floats& x, int row) LAMELLA_INLINE_LAMBDA {
-      Words bits = bits_of(x);
-      f(bits, row);
-      x = from_bits(bits);
-    };
-    number(w.wi.x, 0), number(w.wi.y, 1), number(w.wi.z, 2), number(w.y, 3);
-    f(w.layer, 4), f(w.order, 5), f(w.index, 6), f(w.death, 7), f(w.met, 8);
-    for (int k = 0; k < 4; ++k) f(w.numbers.s[k], 9 + k);
-    for (int c = 0; c < C; ++c) number(w.weight[c], 13 + c);
-    if (lattice) f(w.point, 13 + C), f(w.shift, 14 + C), f(w.step, 15 + C);
-  }
-  LAMELLA_INLINE void push(BoundedState<Floats, C> w, FloatMask lanes) {
-    each(w, [&](Words& x, int row)
-                LAMELLA_INLINE_LAMBDA { store_compressed(x, lanes, rows[row] + size); });
-    size += count(lanes);
-  }
-  /// Gives the last walks to the lanes `free`, as far as there are some; which lanes they are.
-  LAMELLA_INLINE FloatMask pop(BoundedState<Floats, C>& w, FloatMask free) {
-    const Words rank = rank_of(free);
-    const int wanted = count(free), taken = wanted < size ? wanted : size;
-    const FloatMask take =
-        free & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(taken))));
-    const WordMask words = to_word_mask(take);
-    size -= taken;
-    each(w, [&](Words& x, int row) LAMELLA_INLINE_LAMBDA {
-      x = select(words, permute(Words::load(rows[row] + size), rank), x);
-    });
-    return take;
-  }
-};
-
 /// Loop through a stack with media: lanes hold walks that collide; those at interfaces are stored
 /// until there are enough of them, as are those that come from there.
 /// One: the only layer's medium, OneMedium, or void.
@@ -267,11 +226,12 @@ struct QueuedWalks {
   typename Setting::Ended ended;
   LoopTotals totals;
   std::uint64_t meetings = 0;
-  StoredWalks<C> ready, waiting;
+  StoredWalks<C, State, 4 * kMost, true, true> ready, waiting;
   BoundedWalks<C> all[kSets], packets[kSets];
 
   explicit QueuedWalks(const Setting& setting) : s(setting) {
-    ready.lattice = waiting.lattice = s.task.walk.lattice != nullptr;
+    for (auto* walks : {&ready, &waiting})
+      walks->has_point = walks->has_shift = s.task.walk.lattice != nullptr;
     for (BoundedWalks<C>* walks : {all, packets})
       for (int k = 0; k < kSets; ++k) {
         empty(walks[k], s.incident);

@@ -16,8 +16,8 @@ struct SubstrateAlone {
   LAMELLA_INLINE int words() const { return t.words; }
   template <class F>
   LAMELLA_INLINE void visit(Words layer, const F& f) const {
-    f(SubstrateOnLanes<Floats>(LayerPerLane<Floats>{*t.layers, layer}), std::true_type{},
-      every_lane<Floats>());
+    f(SubstrateOnLanes<Floats>(LayerPerLane<Floats>{*t.layers, layer}),
+      LanesAgree<false>{t.layer_count}, every_lane<Floats>());
   }
 };
 

@@ -10,6 +10,7 @@ using LaneLoop = void (*)(const LaneWalkTask&);
   return task.walk.boundaries        ? walk_bounded_lanes_for(isa)
          : task.walk.null_collisions ? count_flake_lanes_for(isa)
          : task.one_medium           ? walk_lanes_for(isa)
+         : task.walk.by_layer        ? walk_layered_lanes_for(isa)
                                      : walk_stack_lanes_for(isa);
 }
 

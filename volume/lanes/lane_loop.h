@@ -337,7 +337,8 @@ template <int C, class Set, class Score>
   }
   LaneSums& sums = close(s, ended, totals);
   if (absorbs)
-    sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] += pool.collided - ended.told;
+    sums.ends[Ended::place(WalkEnd::absorbed, kRouletteOrder)] +=
+        pool.beginnings.collided - ended.told;
   sums.events += kRefuses<Set> ? totals.events : totals.carried;
 }
 

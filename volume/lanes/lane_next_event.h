@@ -113,7 +113,7 @@ struct NextEventOnLanes {
     const bool plain = C == 0 && t.channels == 1;
     const bool are_few = t.estimate == LaneEstimate::points && t.batch_count == 1 &&
                          t.points.count <= (!plain       ? kFewWeighed
-                                            : All::value ? kFew
+                                            : All::kSame ? kFew
                                                          : kFewInStacks);
     if (plain && are_few)
       few(all, medium, event, w, counts);
@@ -170,7 +170,7 @@ struct NextEventOnLanes {
 
   /// What an event of each lane sends to point j, albedo and Schlick's factor apart.
   template <class All, class M>
-  LAMELLA_INLINE Floats sent(All, const M& medium, const LaneEvent<Floats>& event,
+  LAMELLA_INLINE Floats sent(All all, const M& medium, const LaneEvent<Floats>& event,
                              const LaneState<Floats, C>& w, int j) const {
     constexpr int kStride = kMostLaneLayers + 1;
     const LanePoints& p = t.points;
@@ -182,10 +182,15 @@ struct NextEventOnLanes {
       tau = Floats(beyond[t.walk.layer_count]);
     } else {
       const auto& depths = t.walk.layers->value[kDepth];
-      const Floats depth = All::value ? Floats(depths[0]) : lookup(depths, w.layer);
-      const Floats way = j < p.up ? w.y : depth - w.y;
-      tau = All::value ? way * Floats(rates[0])
-                       : multiply_add(way, lookup(rates, w.layer), lookup(beyond, w.layer));
+      const auto of_layer = [&](const float* numbers) LAMELLA_INLINE_LAMBDA {
+        if constexpr (All::kSame)
+          return Floats(numbers[all.layer]);
+        else
+          return lookup(numbers, w.layer);
+      };
+      const Floats way = j < p.up ? w.y : of_layer(depths) - w.y;
+      tau = All::kAlone ? way * Floats(rates[0])
+                        : multiply_add(way, of_layer(rates), of_layer(beyond));
     }
     return medium.density(event, wo) * exp(-tau);
   }
@@ -229,7 +234,7 @@ struct NextEventOnLanes {
 
   // One event after the other; each register holds several directions.
   template <class All, class M>
-  [[gnu::noinline]] void many(All, M medium, LaneEvent<Floats> event, LaneState<Floats, C> w,
+  [[gnu::noinline]] void many(All all, M medium, LaneEvent<Floats> event, LaneState<Floats, C> w,
                               FloatMask counts) const {
     const StoredEvents stored(medium, event);
     alignas(64) float depths[kLanes], places[kLanes], turn_cos[kLanes], turn_sin[kLanes];
@@ -260,9 +265,11 @@ struct NextEventOnLanes {
     }
     for (std::uint32_t left = mask_bits(counts); left != 0; left &= left - 1) {
       const int lane = __builtin_ctz(left);
-      const int layer = M::kKind == LaneMediumKind::substrate ? t.walk.layer_count
-                        : All::value                          ? 0
-                                                              : static_cast<int>(layers[lane]);
+      int layer = t.walk.layer_count;
+      if constexpr (All::kSame)
+        layer = all.layer;
+      else if constexpr (M::kKind != LaneMediumKind::substrate)
+        layer = static_cast<int>(layers[lane]);
       const std::uint32_t slot =
           orders[lane] + 1 < kRouletteOrder ? orders[lane] : kRouletteOrder - 1;
       if (cells) aim(layer, depths[lane], places[lane], turn_cos[lane], turn_sin[lane]);
@@ -279,7 +286,7 @@ struct NextEventOnLanes {
         else
           to_points(sender, slot, depths[lane]);
       };
-      if constexpr (All::value || M::kKind == LaneMediumKind::substrate)
+      if constexpr (All::kSame || M::kKind == LaneMediumKind::substrate)
         give(medium);
       else
         give(M(OneLayer<Floats>{*t.walk.layers, layer}));

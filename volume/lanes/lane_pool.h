@@ -1,6 +1,6 @@
 #pragma once
 
-// Walks that lanes are to take. Only for sources of lamella_lanes().
+// Walks that begin, and those that lanes are to take. Only for sources of lamella_lanes().
 
 #include "phase/lanes/lane_math.h"
 #include "phase/random/lane_random.h"
@@ -26,102 +26,43 @@ struct LaneNumbers {
   }
 };
 
-/// Walks that are about to have their first collision, made many at once, for lanes that fall free.
-template <int C, class Set, class Score>
-struct LanePool {
-  static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
-  static constexpr bool kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
-  int from = 0, to = 0;
+/// Begins the walks of a task, up to their first collisions.
+template <int C, class Set>
+struct LaneBeginnings {
   std::uint32_t batch = 0, made = 0;  // the batch under way; how many of its walks have begun
   std::uint64_t uncollided = 0;       // among them
   std::uint64_t collided = 0;         // of all batches
-  alignas(64) std::uint32_t numbers[4][kRoom];
-  alignas(64) std::uint32_t index[kRoom];
-  alignas(64) std::uint32_t death[kRoom];
-  alignas(64) std::uint32_t layer[kRoom];
-  bool lattice = false;
-  std::uint32_t first_step = 0;  // of the walks in lanes
-  alignas(64) std::uint32_t point[kRoom];
-  alignas(64) std::uint32_t shift[kRoom];
-  alignas(64) float y[kRoom];
-  bool directed = false;  // wi is kept whatever the law of the light
-  bool draws = false;     // every walk its w_i
-  alignas(64) float wi[3][kRoom];
 
-  // Fills up to kSize, until the walks of the task are used up.
-  [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
-    const int left = to - from;
-    const bool drawn = t.incident_law != IncidentLaw::fixed;
-    draws = drawn || directed;
-    lattice = t.walk.lattice != nullptr;
-    for (int k = 0; k < left; k += kLanes) {
-      for (auto& word : numbers) Words::load(word + from + k).store(word + k);
-      if constexpr (kIndex) Words::load(index + from + k).store(index + k);
-      Words::load(death + from + k).store(death + k);
-      if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
-      Floats::load(y + from + k).store(y + k);
-      if (lattice) {
-        Words::load(point + from + k).store(point + k);
-        Words::load(shift + from + k).store(shift + k);
-      }
-      for (int axis = 0; draws && axis < 3; ++axis)
-        Floats::load(wi[axis] + from + k).store(wi[axis] + k);
-    }
-    from = 0;
-    to = left;
-    const LaneNumbers blocks(t);
+  /// The next walks, one per lane: how many of them there are, 0 where none is left, and which
+  /// collide.
+  template <class Flights>
+  LAMELLA_INLINE int begin_some(const LaneWalkTask& t, const Flights& set,
+                                const LaneNumbers& blocks, LaneState<Floats, C>& w,
+                                FloatMask& hits) {
+    while (batch < t.batch_count && t.batches[batch].walks == made) end_batch(t);
+    if (batch == t.batch_count) return 0;
+    const LaneBatch& here = t.batches[batch];
+    const std::uint32_t rest = here.walks - made;
+    const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
     const Words ramp(hn::Mul(Words::iota().v, Words(t.index_stride).v));
-    while (to < kSize && batch < t.batch_count) {
-      const LaneBatch& here = t.batches[batch];
-      const std::uint32_t rest = here.walks - made;
-      if (rest == 0) {
-        end_batch(t);
-        continue;
-      }
-      const int n = rest < static_cast<std::uint32_t>(kLanes) ? static_cast<int>(rest) : kLanes;
-      LaneState<Floats, C> w;
-      w.index = Words(here.index_low + made * t.index_stride) + ramp;
-      w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
-      if (lattice) {
-        w.point = reversed_bits(Words(here.point + made) + Words::iota());
-        w.shift = Words(here.shift);
-      }
-      Vec3<Floats> light{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
-      if (drawn) light = drawn_light(t, w.numbers);
-      const FloatMask hits = begin_from<C>(light, t.walk, set, w, first_lanes<float>(n));
-      if (t.estimate == LaneEstimate::walk_by_walk) record(t, light, hits);
-      const int found = count(hits);
-      uncollided += static_cast<std::uint64_t>(n - found);
-      collided += static_cast<std::uint64_t>(found);
-      if (t.walk.collides_at_once &&
-          found == kLanes)  // else the branch would cost more than it saves
-        keep(w, [](const auto& lanes, auto* at) LAMELLA_INLINE_LAMBDA { lanes.store(at); });
-      else
-        keep(w, [&](const auto& lanes, auto* at)
-                    LAMELLA_INLINE_LAMBDA { store_compressed(lanes, hits, at); });
-      to += found;
-      made += static_cast<std::uint32_t>(n);
+    w.index = Words(here.index_low + made * t.index_stride) + ramp;
+    w.numbers = WalkNumbers<Words>(blocks(Words(0u), kLaneWalkStream, w.index));
+    if (t.walk.lattice != nullptr) {
+      w.point = reversed_bits(Words(here.point + made) + Words::iota());
+      w.shift = Words(here.shift);
     }
+    Vec3<Floats> light{Floats(t.walk.wi[0]), Floats(t.walk.wi[1]), Floats(t.walk.wi[2])};
+    if (t.incident_law != IncidentLaw::fixed) light = drawn_light(t, w.numbers);
+    hits = begin_from<C>(light, t.walk, set, w, first_lanes<float>(n));
+    if (t.estimate == LaneEstimate::walk_by_walk) record(t, light, hits);
+    const int found = count(hits);
+    uncollided += static_cast<std::uint64_t>(n - found);
+    collided += static_cast<std::uint64_t>(found);
+    made += static_cast<std::uint32_t>(n);
+    return n;
   }
 
  private:
-  // Behind those that are there; store(lanes, where).
-  template <class Store>
-  LAMELLA_INLINE void keep(const LaneState<Floats, C>& w, const Store& store) {
-    for (int k = 0; k < 4; ++k) store(w.numbers.s[k], numbers[k] + to);
-    if constexpr (kIndex) store(w.index, index + to);
-    store(w.death, death + to);
-    if constexpr (kLayer) store(w.layer, layer + to);
-    store(w.y, y + to);
-    if (lattice) {
-      store(w.point, point + to);
-      store(w.shift, shift + to);
-    }
-    if (!draws) return;
-    store(w.wi.x, wi[0] + to);
-    store(w.wi.y, wi[1] + to);
-    store(w.wi.z, wi[2] + to);
-  }
   LAMELLA_INLINE static Vec3<Floats> drawn_light(const LaneWalkTask& t,
                                                  WalkNumbers<Words>& numbers) {
     const Floats u = fine_uniform_of(numbers.next());
@@ -156,6 +97,82 @@ struct LanePool {
     ++batch;
     made = 0;
     uncollided = 0;
+  }
+};
+
+/// Walks that are about to have their first collision, made many at once, for lanes that fall free.
+template <int C, class Set, class Score>
+struct LanePool {
+  static constexpr int kSize = 256, kRoom = kSize + 2 * kLanes;
+  static constexpr bool kLayer = !Set::kSingle, kIndex = Score::kUsesIndex;
+  int from = 0, to = 0;
+  LaneBeginnings<C, Set> beginnings;
+  alignas(64) std::uint32_t numbers[4][kRoom];
+  alignas(64) std::uint32_t index[kRoom];
+  alignas(64) std::uint32_t death[kRoom];
+  alignas(64) std::uint32_t layer[kRoom];
+  bool lattice = false;
+  std::uint32_t first_step = 0;  // of the walks in lanes
+  alignas(64) std::uint32_t point[kRoom];
+  alignas(64) std::uint32_t shift[kRoom];
+  alignas(64) float y[kRoom];
+  bool directed = false;  // wi is kept whatever the law of the light
+  bool draws = false;     // every walk its w_i
+  alignas(64) float wi[3][kRoom];
+
+  // Fills up to kSize, until the walks of the task are used up.
+  [[gnu::noinline]] void fill(const LaneWalkTask& t, const Set& set) {
+    const int left = to - from;
+    draws = t.incident_law != IncidentLaw::fixed || directed;
+    lattice = t.walk.lattice != nullptr;
+    for (int k = 0; k < left; k += kLanes) {
+      for (auto& word : numbers) Words::load(word + from + k).store(word + k);
+      if constexpr (kIndex) Words::load(index + from + k).store(index + k);
+      Words::load(death + from + k).store(death + k);
+      if constexpr (kLayer) Words::load(layer + from + k).store(layer + k);
+      Floats::load(y + from + k).store(y + k);
+      if (lattice) {
+        Words::load(point + from + k).store(point + k);
+        Words::load(shift + from + k).store(shift + k);
+      }
+      for (int axis = 0; draws && axis < 3; ++axis)
+        Floats::load(wi[axis] + from + k).store(wi[axis] + k);
+    }
+    from = 0;
+    to = left;
+    const LaneNumbers blocks(t);
+    while (to < kSize) {
+      LaneState<Floats, C> w;
+      FloatMask hits;
+      if (beginnings.begin_some(t, set, blocks, w, hits) == 0) break;
+      const int found = count(hits);
+      if (t.walk.collides_at_once &&
+          found == kLanes)  // else the branch would cost more than it saves
+        keep(w, [](const auto& lanes, auto* at) LAMELLA_INLINE_LAMBDA { lanes.store(at); });
+      else
+        keep(w, [&](const auto& lanes, auto* at)
+                    LAMELLA_INLINE_LAMBDA { store_compressed(lanes, hits, at); });
+      to += found;
+    }
+  }
+
+ private:
+  // Behind those that are there; store(lanes, where).
+  template <class Store>
+  LAMELLA_INLINE void keep(const LaneState<Floats, C>& w, const Store& store) {
+    for (int k = 0; k < 4; ++k) store(w.numbers.s[k], numbers[k] + to);
+    if constexpr (kIndex) store(w.index, index + to);
+    store(w.death, death + to);
+    if constexpr (kLayer) store(w.layer, layer + to);
+    store(w.y, y + to);
+    if (lattice) {
+      store(w.point, point + to);
+      store(w.shift, shift + to);
+    }
+    if (!draws) return;
+    store(w.wi.x, wi[0] + to);
+    store(w.wi.y, wi[1] + to);
+    store(w.wi.z, wi[2] + to);
   }
 };
 

@@ -1,6 +1,7 @@
 #include "volume/lanes/lane_setting.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -225,6 +226,26 @@ bool takes_null_collisions(const Stack& stack, const Plan& plan) {
 }
 
 template <class Scalar>
+bool walks_by_layer(const WalkSetting<Scalar>& walk) {
+  const unsigned substrate = 1u << static_cast<int>(LaneMediumKind::substrate);
+  const unsigned vmf = 1u << static_cast<int>(LaneMediumKind::vmf_mirror) |
+                       1u << static_cast<int>(LaneMediumKind::vmf_lambert);
+  const unsigned media = walk.kinds & ~substrate;
+  const bool mixed = std::popcount(media) > 1;
+  if (mixed && (media & vmf) != 0) return true;
+  // With more layers each has fewer walks, and its turns are shorter.
+  constexpr int kMostLayers = 4;
+  constexpr double kDeep = 8;
+  if (walk.layer_count < 2 || walk.layer_count > kMostLayers) return false;
+  double depth = 0;
+  for (int k = 0; k < walk.layer_count; ++k)
+    depth += std::min<double>(walk.layers->value[kDepth][k], kDeep);
+  return depth >= (mixed ? 0.5 : 1) * walk.layer_count;
+}
+template bool walks_by_layer(const WalkSetting<float>&);
+template bool walks_by_layer(const WalkSetting<double>&);
+
+template <class Scalar>
 LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction incident,
                                  std::uint64_t seed, bool counted)
     : parts(lane_parts(stack, plan)) {
@@ -274,6 +295,8 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
     walk.words = std::max(walk.words, words_of(LaneMediumKind::substrate));
     std::copy(below.begin(), below.end(), walk.substrate_albedo);
   }
+  walk.by_layer = plan.layer_turns == LayerTurns::always ||
+                  (plan.layer_turns == LayerTurns::where_faster && walks_by_layer(walk));
   const double brightest = *std::max_element(albedo.begin(), albedo.end());
   walk.orders_per_absorption = brightest < 1 ? static_cast<Scalar>(-1 / std::log(brightest))
                                              : std::numeric_limits<Scalar>::infinity();

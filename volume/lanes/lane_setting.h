@@ -32,6 +32,12 @@ inline constexpr double kDeepestPart = 16;
 /// anything else.
 [[nodiscard]] bool takes_null_collisions(const Stack& stack, const Plan& plan);
 
+/// Whether all lanes walk in one layer at a time (volume/lanes/lane_layer_loop.h) rather than each
+/// in its own: where that is faster, since walks stay in a layer long enough to pay for their way
+/// into it, or since masks would cost more. `lamella bench --only mixed` measures both.
+template <class Scalar>
+[[nodiscard]] bool walks_by_layer(const WalkSetting<Scalar>& walk);
+
 /// A stack and its light in the numbers of lanes (float), or of their reference (double). The
 /// tables must outlive what points to them.
 template <class Scalar>

@@ -58,6 +58,7 @@ struct WalkSetting {
   bool black = false;  ///< the first event ends a walk
   /// Walks without weights: what an event ends is absorbed, at the fourth event or later.
   bool ends_absorb = false;
+  bool by_layer = false;         ///< all lanes walk in one layer at a time, see walks_by_layer
   bool null_collisions = false;  ///< the medium is one of volume/lanes/lane_null_flakes.h
   Scalar substrate_albedo[3] = {};
   std::uint32_t max_order = 0;
@@ -84,6 +85,17 @@ struct LaneState {
   Real weight[C > 0 ? C : 1];
 };
 
+/// What all lanes have in common at an event, as scores see it. kSame: the medium and the layer.
+struct LanesDiffer {
+  static constexpr bool kSame = false, kAlone = false;
+};
+/// kAlone: of the only layer.
+template <bool kOnly>
+struct LanesAgree {
+  static constexpr bool kSame = true, kAlone = kOnly;
+  int layer = 0;
+};
+
 /// One layer of one medium, known at compile time. kSteps: between interfaces, whose meetings are
 /// steps, too, as null collisions are.
 template <class Real, template <class> class M, bool kSteps = false>
@@ -99,7 +111,10 @@ struct OneMedium {
   LAMELLA_INLINE int words() const { return M<Real>::kWords; }
   template <class F>
   LAMELLA_INLINE void visit(WordsOf<Real>, const F& f) const {
-    f(medium, std::true_type{}, every_lane<Real>());
+    f(medium, LanesAgree<true>{}, every_lane<Real>());
+  }
+  LAMELLA_INLINE OneLayer<Real> numbers(const WalkSetting<Scalar>& t, WordsOf<Real>) const {
+    return {*t.layers, 0};
   }
   /// Moves y by a flight of `remaining` mean free paths; whether it ends at a collision.
   LAMELLA_INLINE MaskOf<Real> fly(Vec3<Real> wi, Real remaining, MaskOf<Real>, WordsOf<Real>&,
@@ -107,6 +122,30 @@ struct OneMedium {
     y = multiply_add(remaining * medium.inverse_area(wi), wi.z, y);
     // The limits count, too: a flight of length 0 from them does not leave.
     return is_within(y, depth);
+  }
+};
+
+/// One of several layers or the substrate, which all lanes are in; its medium is known at compile
+/// time.
+template <class Real, template <class> class M>
+struct OneOfLayers {
+  static constexpr bool kSingle = true, kBounded = false, kCountsSteps = false;
+  using Scalar = typename NumberTraits<Real>::Scalar;
+  using Mask = MaskOf<Real>;
+  static constexpr bool kSubstrate = M<Real>::kKind == LaneMediumKind::substrate;
+  static constexpr int kWords = M<Real>::kWords;
+  M<Real> medium;
+  int layer, word_count;
+
+  LAMELLA_INLINE OneOfLayers(const WalkSetting<Scalar>& t, int at)
+      : medium(OneLayer<Real>{*t.layers, kSubstrate ? 0 : at}), layer(at), word_count(t.words) {}
+  LAMELLA_INLINE int words() const { return word_count; }
+  LAMELLA_INLINE OneLayer<Real> numbers(const WalkSetting<Scalar>& t, WordsOf<Real>) const {
+    return {*t.layers, layer};
+  }
+  template <class F>
+  LAMELLA_INLINE void visit(WordsOf<Real>, const F& f) const {
+    f(medium, LanesAgree<false>{layer}, every_lane<Real>());
   }
 };
 
@@ -137,9 +176,12 @@ struct AnyMedia {
     if (!has(M::kKind)) return;
     const Mask here = equal(kind, Real(static_cast<int>(M::kKind)));
     if (!one_kind && !any(here)) return;
-    f(M(LayerPerLane<Real>{*t.layers, layer}), std::false_type{}, here);
+    f(M(LayerPerLane<Real>{*t.layers, layer}), LanesDiffer{}, here);
   }
-  /// f(medium, whether it is that of all lanes, that of which lanes) for each medium present.
+  LAMELLA_INLINE LayerPerLane<Real> numbers(const WalkSetting<Scalar>&, Words layer) const {
+    return {*t.layers, layer};
+  }
+  /// f(medium, what lanes have in common, that of which lanes) for each medium present.
   template <class F>
   LAMELLA_INLINE void visit(Words layer, const F& f) const {
     Real kind = lookup(t.layers->value[kKind], layer);
@@ -303,7 +345,11 @@ template <int C, class Set, class Real>
 LAMELLA_INLINE void draw(const WalkSetting<typename NumberTraits<Real>::Scalar>& t, const Set& set,
                          LaneState<Real, C>& w, LaneDraws<Real>& draws) {
   using Words = WordsOf<Real>;
-  for (int k = 0; k < set.words(); ++k) draws.words[k] = w.numbers.next();
+  int used = set.words();
+  if constexpr (requires { Set::kWords; }) used = Set::kWords;
+  for (int k = 0; k < used; ++k) draws.words[k] = w.numbers.next();
+  if constexpr (requires { Set::kWords; })  // others may need more
+    for (int k = used; k < set.words(); ++k) w.numbers.next();
   if constexpr (C > 0) draws.words[kRouletteWord] = w.numbers.next();
   if (t.lattice != nullptr) {
     const Words step = steps_taken<Set::kCountsSteps>(w);
@@ -312,15 +358,15 @@ LAMELLA_INLINE void draw(const WalkSetting<typename NumberTraits<Real>::Scalar>&
       draws.words[k] =
           select(early, lattice_word(*t.lattice, k, step, w.point, w.shift), draws.words[k]);
     };
-    for (int k = 0; k < set.words(); ++k) replace(k);
+    for (int k = 0; k < used; ++k) replace(k);
     if constexpr (C > 0) replace(kRouletteWord);
   }
   draws.remaining = exponential_of(draws.words[0]);
 }
 
 /// All active lanes are at a collision, or a null one: the event.
-/// score(every lane?, medium, event, walks, lanes) sees events before they count; those at
-/// max_order are one too many. kFull: all lanes are active, and of a single medium.
+/// score(what lanes have in common, medium, event, walks, lanes) sees events before they count;
+/// those at max_order are one too many. kFull: all lanes are active, and of a single medium.
 template <int C, bool kFull = false, class Set, class Real, class Score>
 LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Real>::Scalar>& t,
                                       const Set& set, LaneState<Real, C>& w,
@@ -338,11 +384,12 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
     for (Real& k : kept) k = Real(1);
   set.visit(w.layer, [&](const auto& medium, auto all, Mask here) LAMELLA_INLINE_LAMBDA {
     using M = std::remove_cvref_t<decltype(medium)>;
+    using All = decltype(all);
     const auto event = medium.collide(w.wi, draws.words);
     Mask scatters = active;
-    if constexpr (!all) scatters = scatters & here;
+    if constexpr (!All::kSame) scatters = scatters & here;
     if constexpr (kRefuses<M>) scatters = kFull ? event.accepted : scatters & event.accepted;
-    if constexpr (all)
+    if constexpr (All::kSame)
       events = scatters;
     else
       events = events | scatters;
@@ -350,13 +397,13 @@ LAMELLA_INLINE LaneEnds<Real> scatter(const WalkSetting<typename NumberTraits<Re
       reflections = scatters & to_float_mask(is_below(w.order, Words(t.max_order)));
     score(all, medium, event, w, scatters);
     const auto scattered = medium.sample(event, draws.words);
-    if constexpr (all && !kRefuses<M>)
+    if constexpr (All::kSame && !kRefuses<M>)
       wi = scattered.next;  // what is not active does not matter
     else
       wi = select(scatters, scattered.next, wi);
     if constexpr (C > 0) {
       constexpr bool substrate = M::kKind == LaneMediumKind::substrate;
-      const LayerPerLane<Real> layers{*t.layers, w.layer};
+      const auto layers = set.numbers(t, w.layer);
       for (int c = 0; c < C; ++c) {
         Real k = substrate ? Real(t.substrate_albedo[c]) : layers(kAlbedo + c);
         if (M::kMirror && t.fresnel) {

@@ -98,8 +98,8 @@ struct LaneBatch {
 struct LaneWalkTask {
   WalkSetting<float> walk;
   /// One layer of one medium without weights: volume/lanes/lane_one_medium.cpp, or by null
-  /// collisions volume/lanes/lane_counted_flakes.cpp. Else
-  /// volume/lanes/lane_any_stack.cpp.
+  /// collisions volume/lanes/lane_counted_flakes.cpp. Else volume/lanes/lane_any_stack.cpp, or
+  /// layer by layer volume/lanes/lane_layered_stack.cpp.
   bool one_medium = false;
   bool weights = false;  ///< walks carry weights, one per channel; else the order alone tells them
   int channels = 1;
@@ -139,6 +139,7 @@ struct LaneWalkTask {
 LAMELLA_LANE_FUNCTION(void, walk_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, count_flake_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_stack_lanes, (const LaneWalkTask& task))
+LAMELLA_LANE_FUNCTION(void, walk_layered_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, walk_bounded_lanes, (const LaneWalkTask& task))
 LAMELLA_LANE_FUNCTION(void, aim_bounded_lanes, (const LaneWalkTask& task))
 

@@ -21,6 +21,10 @@ class DensityGrid;
 /// well.
 inline constexpr std::uint64_t kMaxOrder = 1000, kThinnedMaxOrder = 1 << 20;
 
+/// Whether lanes walk in one layer at a time: where that is faster, or asked for by tests and
+/// benchmarks.
+enum class LayerTurns { where_faster, never, always };
+
 /// The features that the walk carries for a stack, and no others. Made once from the stack; every
 /// member may be widened (grey to three channels, folded to unfolded, ...) without changing the
 /// answer. A test and a benchmark compare the special case with the general one in this way.
@@ -37,6 +41,7 @@ struct Plan {
   Sampling sampling = Sampling::random;
   OrderOne order_one = OrderOne::walked;  ///< exact: where a result takes it, see Simulation
   Isa isa = Isa::scalar;  ///< lanes where a kernel exists, see volume/lanes/lane_run.h
+  LayerTurns layer_turns = LayerTurns::where_faster;  ///< of lanes, see walks_by_layer
 
   /// Which layers of the stack have any depth; the others are left out. With a grid somewhere: any
   /// thickness, as an empty gap, too, moves the light sideways.
