@@ -20,7 +20,7 @@ WalkNumbers<std::uint32_t> numbers_of(std::uint64_t seed, std::uint64_t index) {
   return WalkNumbers<std::uint32_t>(state);
 }
 
-// One walk through a stack with interfaces; its row of ends, see lane_step.h.
+// One walk through a stack with interfaces; its row of ends, see lane_state.h.
 template <int C>
 int replay_bounded(const WalkSetting<double>& walk, BoundedState<double, C>& w,
                    LaneEnds<double>& now, BatchTally& tally) {
