@@ -280,27 +280,8 @@ struct LayeredWalks {
 
   void take_turn_in(int layer) {
     const WalkSetting<float>& t = s.task.walk;
-    if (layer == t.layer_count) return take_turn<SubstrateOnLanes>(layer);
-    switch (static_cast<LaneMediumKind>(static_cast<int>(t.layers->value[kKind][layer]))) {
-      case LaneMediumKind::lambert_sphere:
-        return take_turn<LambertSphereOnLanes>(layer);
-      case LaneMediumKind::henyey_greenstein:
-        return take_turn<HenyeyGreensteinOnLanes>(layer);
-      case LaneMediumKind::rayleigh:
-        return take_turn<RayleighOnLanes>(layer);
-      case LaneMediumKind::sggx_mirror:
-        return t.upright ? take_turn<UprightSggxMirrorOnLanes>(layer)
-                         : take_turn<SggxMirrorOnLanes>(layer);
-      case LaneMediumKind::sggx_lambert:
-        return t.upright ? take_turn<UprightSggxLambertOnLanes>(layer)
-                         : take_turn<SggxLambertOnLanes>(layer);
-      case LaneMediumKind::vmf_mirror:
-        return take_turn<VmfMirrorOnLanes>(layer);
-      case LaneMediumKind::vmf_lambert:
-        return take_turn<VmfLambertOnLanes>(layer);
-      case LaneMediumKind::substrate:
-        break;  // is no layer
-    }
+    with_lane_medium(lane_medium_of(t, layer), t.upright,
+                     [&]<template <class> class M>() { take_turn<M>(layer); });
   }
 
   void run() {

@@ -19,26 +19,9 @@ void walk_medium(const LaneWalkTask& t) {
 }  // namespace
 
 void walk_lanes(const LaneWalkTask& t) {
-  switch (static_cast<LaneMediumKind>(static_cast<int>(t.walk.layers->value[kKind][0]))) {
-    case LaneMediumKind::lambert_sphere:
-      return walk_medium<LambertSphereOnLanes>(t);
-    case LaneMediumKind::henyey_greenstein:
-      return walk_medium<HenyeyGreensteinOnLanes>(t);
-    case LaneMediumKind::rayleigh:
-      return walk_medium<RayleighOnLanes>(t);
-    case LaneMediumKind::sggx_mirror:
-      return t.walk.upright ? walk_medium<UprightSggxMirrorOnLanes>(t)
-                            : walk_medium<SggxMirrorOnLanes>(t);
-    case LaneMediumKind::sggx_lambert:
-      return t.walk.upright ? walk_medium<UprightSggxLambertOnLanes>(t)
-                            : walk_medium<SggxLambertOnLanes>(t);
-    case LaneMediumKind::vmf_mirror:
-      return walk_medium<VmfMirrorOnLanes>(t);
-    case LaneMediumKind::vmf_lambert:
-      return walk_medium<VmfLambertOnLanes>(t);
-    case LaneMediumKind::substrate:
-      break;  // is no layer
-  }
+  with_lane_medium(lane_medium_of(t.walk, 0), t.walk.upright, [&]<template <class> class M>() {
+    if constexpr (M<Floats>::kKind != LaneMediumKind::substrate) walk_medium<M>(t);
+  });
 }
 
 }  // namespace lamella::LAMELLA_ISA

@@ -76,6 +76,40 @@ struct OneOfLayers {
   }
 };
 
+/// f.template operator()<M>(), M the medium of a kind, or the substrate. upright: all matrices are
+/// UprightSggxMatrix's.
+template <class F>
+LAMELLA_INLINE void with_lane_medium(LaneMediumKind kind, bool upright, const F& f) {
+  switch (kind) {
+    case LaneMediumKind::lambert_sphere:
+      return f.template operator()<LambertSphereOnLanes>();
+    case LaneMediumKind::henyey_greenstein:
+      return f.template operator()<HenyeyGreensteinOnLanes>();
+    case LaneMediumKind::rayleigh:
+      return f.template operator()<RayleighOnLanes>();
+    case LaneMediumKind::sggx_mirror:
+      return upright ? f.template operator()<UprightSggxMirrorOnLanes>()
+                     : f.template operator()<SggxMirrorOnLanes>();
+    case LaneMediumKind::sggx_lambert:
+      return upright ? f.template operator()<UprightSggxLambertOnLanes>()
+                     : f.template operator()<SggxLambertOnLanes>();
+    case LaneMediumKind::vmf_mirror:
+      return f.template operator()<VmfMirrorOnLanes>();
+    case LaneMediumKind::vmf_lambert:
+      return f.template operator()<VmfLambertOnLanes>();
+    case LaneMediumKind::substrate:
+      return f.template operator()<SubstrateOnLanes>();
+  }
+}
+/// The kind of a layer, or of the substrate below the last one.
+template <class Scalar>
+[[nodiscard]] LAMELLA_INLINE LaneMediumKind lane_medium_of(const WalkSetting<Scalar>& t,
+                                                           int layer) {
+  return layer == t.layer_count
+             ? LaneMediumKind::substrate
+             : static_cast<LaneMediumKind>(static_cast<int>(t.layers->value[kKind][layer]));
+}
+
 /// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
 template <class Real>
 struct AnyMedia {
