@@ -1,8 +1,10 @@
 #include "analytic/half_space/lambert_sphere_models.h"
 
 #include <cmath>
+#include <utility>
 
 #include "analytic/half_space/half_space_lanes.h"
+#include "analytic/half_space/three_term_constants.h"
 #include "analytic/model/formula_model.h"
 #include "analytic/model/one_half_space.h"
 
@@ -179,6 +181,8 @@ ModelInfo lambert_sphere_model() {
                      "particle albedo for the Bond albedo that is given as `albedo`, eq. 46; of no "
                      "direction",
                      of_albedo(lambert_sphere_albedo))};
+  for (PartInfo& part : lambert_sphere_constant_parts("fitted", fitted_lambert_sphere_constants))
+    model.parts.push_back(std::move(part));
   return model;
 }
 
