@@ -9,7 +9,6 @@
 
 #include "analytic/half_space/lambert_sphere_models.h"
 #include "analytic/half_space/three_term.h"
-#include "analytic/half_space/three_term_constants.h"
 #include "analytic/model/one_half_space.h"
 
 namespace lamella {
@@ -84,7 +83,7 @@ PartInfo h_part(int mode) {
 
 std::vector<PartInfo> parts() {
   std::vector<PartInfo> list{h_part(0), h_part(1), h_part(2)};
-  for (PartInfo& part : lambert_sphere_constant_parts("exact", exact_lambert_sphere_constants))
+  for (PartInfo& part : constant_parts("exact", exact_lambert_sphere_constants))
     list.push_back(std::move(part));
   return list;
 }

@@ -2,36 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "analytic/half_space/lambert_sphere_formula.h"
-#include "analytic/half_space/lambert_sphere_models.h"
-#include "analytic/half_space/three_term.h"
-
 namespace lamella {
-namespace {
 
-// Of l and n = l^2 + 45 m / 64.
-double m_of(double l, double n) { return (n - l * l) * 64 / 45; }
+double three_term_m(double l, double n) { return (n - l * l) * 64 / 45; }
 
-}  // namespace
-
-LambertSphereConstants exact_lambert_sphere_constants(double albedo) {
-  // l and n are quotients of two terms that vanish with the albedo.
-  const ThreeTermHalfSpace half_space(lambert_sphere_phase_terms(std::max(albedo, 1e-7)));
-  LambertSphereConstants found{half_space.mode_0_constants(), half_space.l(),
-                               m_of(half_space.l(), half_space.n())};
+ThreeTermConstants three_term_constants(const ThreeTermHalfSpace& half_space) {
+  ThreeTermConstants found{half_space.mode_0_constants(), half_space.l(),
+                           three_term_m(half_space.l(), half_space.n())};
   for (double& constant : found.mode_0) constant /= 2;  // eq. 36 has half of them
   return found;
 }
 
-LambertSphereConstants fitted_lambert_sphere_constants(double albedo) {
-  const AnalyticLambertSphere::Channel fit = lambert_sphere_formula(Rgb(albedo)).channels[0];
-  return {{fit.a, fit.b, fit.c, fit.d, fit.e, fit.f}, fit.l, m_of(fit.l, fit.n)};
-}
-
-std::vector<PartInfo> lambert_sphere_constant_parts(
-    const std::string& how, LambertSphereConstants (*constants)(double albedo)) {
+std::vector<PartInfo> constant_parts(
+    const std::string& how, const std::function<ThreeTermConstants(double albedo)>& constants) {
   std::vector<PartInfo> parts;
   for (std::size_t k = 0; k < 6; ++k)
     parts.push_back(part_of_albedo(

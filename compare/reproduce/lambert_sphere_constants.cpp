@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "analytic/half_space/three_term_constants.h"
+#include "analytic/half_space/lambert_sphere_models.h"
 #include "compare/reproduce/lambert_sphere_figures.h"
 #include "compare/reproduce/number_rows.h"
 
@@ -55,8 +55,8 @@ std::vector<double> draw_constants(ReproductionContext& context, NumberRows& row
 }
 
 std::vector<Constant> mode_1_constants(double c) {
-  const LambertSphereConstants exact = exact_lambert_sphere_constants(c),
-                               fit = fitted_lambert_sphere_constants(c);
+  const ThreeTermConstants exact = exact_lambert_sphere_constants(c),
+                           fit = fitted_lambert_sphere_constants(c);
   return {{"l", exact.l, fit.l}, {"m", exact.m, fit.m}};
 }
 
