@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "compare/ensemble/stack_ensemble.h"
 #include "compare/fit/least_squares.h"
@@ -84,6 +85,25 @@ TEST(NonnegativeLeastSquares, LeavesOutColumnsThatSayNothing) {
   const std::vector<double> x = nonnegative_solution(equations);
   EXPECT_NEAR(x[0] + x[1], 2, 1e-12);
   EXPECT_EQ(x[2], 0);
+}
+
+TEST(NonnegativeLeastSquares, KeepsUnknownsWithinTheirBounds) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  // 2 x + y = 4, x - y = 5 has the solution (3, -2) and, not negative, (13 / 5, 0).
+  NormalEquations equations(2);
+  equations.add(std::vector<double>{2, 1}, 4);
+  equations.add(std::vector<double>{1, -1}, 5);
+  EXPECT_NEAR(bounded_solution(equations, std::vector{inf, inf})[0], 2.6, 1e-12);
+  EXPECT_EQ(bounded_solution(equations, std::vector{inf, inf}), nonnegative_solution(equations));
+  // At x = 1: y = 2 and y = -4, whose least is y = 0 as -1 is negative.
+  EXPECT_EQ(bounded_solution(equations, std::vector{1.0, inf}), (std::vector<double>{1, 0}));
+  // A column of 1e-30 beside one of 1: as much of it as is allowed, and the other as before.
+  NormalEquations dark(2);
+  for (const double v : {1.0, 2.0, 3.0}) dark.add(std::vector<double>{1, 1e-30 * v}, 1 + 1e-3 * v);
+  EXPECT_GT(nonnegative_solution(dark)[1], 1e26);
+  const std::vector<double> x = bounded_solution(dark, std::vector{inf, 10.0});
+  EXPECT_EQ(x[1], 10);
+  EXPECT_NEAR(x[0], 1.002, 1e-12);
 }
 
 std::vector<LobeCell> cells_of(const Stack& stack, const SpongecakeLobes& lobes) {
