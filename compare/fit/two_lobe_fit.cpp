@@ -189,14 +189,18 @@ class Search {
   }
 
   // The largest coefficient of every column, of channel c: of optical depth tau a layer's single
-  // scattering has at most the share min(1, tau) of the light along the normal.
+  // scattering has at most the share min(1, tau) of the light along the normal. Where light comes
+  // from above alone, what passes the layers above, in and out, is left of it.
   [[nodiscard]] std::vector<double> largest(const Stack& second, int c) const {
     std::vector<double> most;
+    double above = 0;
     for (const Group& g : groups_) {
       double bound = std::numeric_limits<double>::infinity();
       for (int k = g.first; k < g.end; ++k) {
         const double albedo = has_unit_columns_ ? 1 : stack_.layers[k].albedo[c];
-        bound = std::min(bound, kBrightest / (albedo * std::min(1.0, second.layers[k].depth())));
+        const double light = std::min(1.0, second.layers[k].depth()) * std::exp(-2 * above);
+        bound = std::min(bound, kBrightest / (albedo * light));
+        if (!stack_.is_open_below()) above += second.layers[k].depth();
       }
       most.insert(most.end(), g.columns(), bound);
     }
