@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -182,6 +183,32 @@ TEST_F(TwoLobeFits, FindLobesOfTheirOwnForm) {
       EXPECT_NEAR(fit.lobes.factors[0].albedo[c], lobes.factors[0].albedo[c], 5e-3);
       EXPECT_NEAR(fit.lobes.factors[0].f0[c], lobes.factors[0].f0[c], 2e-2);
     }
+  }
+}
+
+// Lobes of the form with a weight of 1e6 of a layer that is all but hidden: the fit may not have
+// it, as light from the other side would come back so much brighter. Over a black ground, which
+// light reaches through the upper layer alone, it may.
+TEST_F(TwoLobeFits, GiveALayerTenTimesTheLightThatMeetsItAtMost) {
+  const Layer top = flake_layer(false, 0.9, {0, 0, 1}, Rgb(0.5), Rgb(1), 10);
+  const Layer bottom = flake_layer(false, 0.6, {0, 0, 1}, Rgb(0.5), Rgb(1), 2);
+  for (const bool open : {true, false}) {
+    Stack stack{.name = "hidden", .layers = {top, bottom}, .substrate = {}};
+    const SpongecakeLobes lobes{
+        .factors = {{}, {.albedo = Rgb(1e6)}}, .reflect = Rgb(0), .transmit = Rgb(0)};
+    if (!open) stack.substrate.emplace().albedo = Rgb(0);
+    std::vector<LobeCell> cells = cells_of(stack, lobes);
+    if (!open) std::erase_if(cells, [](const LobeCell& cell) { return !cell.reflected; });
+    const TwoLobeFit fit = fit_two_lobes(stack, cells, 1);
+    double above = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double tau = stack.layers[k].depth() * fit.lobes.factors[k].depth;
+      const double light = std::min(1.0, tau) * (open ? 1 : std::exp(-2 * above));
+      // u and v of a layer each.
+      EXPECT_LE(0.5 * fit.lobes.factors[k].albedo.r, 20 / light * (1 + 1e-9)) << open << ' ' << k;
+      above += tau;
+    }
+    EXPECT_LT(fit.relative_rmse, open ? 1.0 : 0.05);
   }
 }
 
