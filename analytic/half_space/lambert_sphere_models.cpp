@@ -1,6 +1,8 @@
 #include "analytic/half_space/lambert_sphere_models.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "analytic/half_space/half_space_lanes.h"
 #include "analytic/model/formula_model.h"
@@ -152,6 +154,17 @@ double lambert_sphere_h1(double mu, double albedo) {
   return std::exp(h1_exponent(albedo) * lambert_sphere_h1_power(mu, std::log(mu)));
 }
 
+ThreeTermConstants exact_lambert_sphere_constants(double albedo) {
+  // l and n are quotients of two terms that vanish with the albedo.
+  return three_term_constants(
+      ThreeTermHalfSpace(lambert_sphere_phase_terms(std::max(albedo, 1e-7))));
+}
+
+ThreeTermConstants fitted_lambert_sphere_constants(double albedo) {
+  const AnalyticLambertSphere::Channel fit = channel_of(albedo);
+  return {{fit.a, fit.b, fit.c, fit.d, fit.e, fit.f}, fit.l, three_term_m(fit.l, fit.n)};
+}
+
 double lambert_sphere_albedo(double bond_albedo) {
   const double k = 1 - bond_albedo;
   return (1 - std::pow(k, 2.73556)) / (1 - 0.184096 * std::pow(k, 2.48423));
@@ -179,6 +192,8 @@ ModelInfo lambert_sphere_model() {
                      "particle albedo for the Bond albedo that is given as `albedo`, eq. 46; of no "
                      "direction",
                      of_albedo(lambert_sphere_albedo))};
+  for (PartInfo& part : constant_parts("fitted", fitted_lambert_sphere_constants))
+    model.parts.push_back(std::move(part));
   return model;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "analytic/half_space/three_term.h"
+#include "analytic/half_space/three_term_constants.h"
 #include "analytic/model/model.h"
 #include "analytic/model/reflection_angles.h"
 
@@ -37,6 +38,12 @@ namespace lamella {
 
 /// The first three, times the albedo (eq. 15).
 [[nodiscard]] ThreeTermPhase lambert_sphere_phase_terms(double albedo);
+
+/// The constants of its exact half space, and those of the analytic form: A and E exact, B, C, D, F
+/// fitted within 4.3e-3, 8.2e-4, 4.3e-4, 1.4e-3, l and m within 8.7e-5 and 1.8e-3. albedo in [0,
+/// 1]; at 0 the exact ones are the limit, within 1e-7.
+[[nodiscard]] ThreeTermConstants exact_lambert_sphere_constants(double albedo);
+[[nodiscard]] ThreeTermConstants fitted_lambert_sphere_constants(double albedo);
 
 /// Fitted H0 of the azimuthal mean, eq. 37, with its limit at c = 1: relative error below 0.0082.
 [[nodiscard]] double lambert_sphere_h0(double mu, double albedo);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "analytic/half_space/lambert_sphere_models.h"
 #include "analytic/half_space/three_term.h"
@@ -80,6 +81,13 @@ PartInfo h_part(int mode) {
                         });
 }
 
+std::vector<PartInfo> parts() {
+  std::vector<PartInfo> list{h_part(0), h_part(1), h_part(2)};
+  for (PartInfo& part : constant_parts("exact", exact_lambert_sphere_constants))
+    list.push_back(std::move(part));
+  return list;
+}
+
 ModelInfo info(std::string name, std::string doc, bool exact_single) {
   return {.name = std::move(name),
           .doc = std::move(doc),
@@ -94,7 +102,7 @@ ModelInfo info(std::string name, std::string doc, bool exact_single) {
                 return std::make_unique<LambertSphereThreeTerm>(p.color("albedo"), exact_single);
               },
           .applies_to = lambert_sphere_parameters,
-          .parts = {h_part(0), h_part(1), h_part(2)}};
+          .parts = parts()};
 }
 
 }  // namespace

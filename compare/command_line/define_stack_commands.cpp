@@ -107,7 +107,7 @@ void define_preview(CommandLine& line) {
       .add_option(
           "--shape", line.options.shape,
           "Trace paths on one object, the truth by walks: sphere, plane, cloth, knot, or an "
-          "OBJ file; any stack, with maps, too")
+          "OBJ file; any homogeneous stack, with maps, too")
       ->transform(named("sphere, plane, cloth, knot, or an OBJ file"))
       ->type_name("SHAPE");
   command

@@ -59,6 +59,14 @@ void NormalEquations::add(std::span<const double> row, double b) {
   }
 }
 
+void NormalEquations::fix(int k, double value) {
+  for (int i = 0; i < unknowns_; ++i) {
+    right_[i] -= squares_[i * unknowns_ + k] * value;
+    squares_[i * unknowns_ + k] = squares_[k * unknowns_ + i] = 0;
+  }
+  right_[k] = 0;
+}
+
 std::vector<double> nonnegative_solution(const NormalEquations& equations) {
   const int n = equations.unknowns();
   std::vector<bool> used(n), refused(n);
@@ -108,6 +116,25 @@ std::vector<double> nonnegative_solution(const NormalEquations& equations) {
     x = std::move(free);
   }
   return x;
+}
+
+std::vector<double> bounded_solution(NormalEquations equations, std::span<const double> most) {
+  const int n = equations.unknowns();
+  std::vector<double> fixed(n);
+  for (;;) {
+    std::vector<double> x = nonnegative_solution(equations);
+    int farthest = -1;
+    for (int k = 0; k < n; ++k)
+      if (x[k] > most[k] && (farthest < 0 || x[k] * most[farthest] > x[farthest] * most[k]))
+        farthest = k;
+    if (farthest < 0) {
+      for (int k = 0; k < n; ++k)
+        if (fixed[k] > 0) x[k] = fixed[k];
+      return x;
+    }
+    fixed[farthest] = most[farthest];
+    equations.fix(farthest, most[farthest]);
+  }
 }
 
 }  // namespace lamella

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "compare/fit/bounded_least_squares.h"
 #include "compare/fit/nonnegative_least_squares.h"
@@ -17,6 +18,9 @@ constexpr double kLargestFactor = 1e3;
 constexpr double kLeastRoughness = 0.02, kMostRoughness = 0.999, kLargestG = 0.98;
 // Lobes of rougher flakes are wider than a part of a cell.
 constexpr double kNarrowRoughness = 0.2;
+// A layer's lobe sends out at most ten times the light that meets its flakes. On cells that its
+// peak leaves dark nothing else holds it: it would fit their noise with any weight.
+constexpr double kBrightest = 10;
 constexpr int kIterations = 40;
 constexpr double kTolerance = 1e-6;
 
@@ -184,6 +188,26 @@ class Search {
     }
   }
 
+  // The largest coefficient of every column, of channel c: of optical depth tau a layer's single
+  // scattering has at most the share min(1, tau) of the light along the normal. Where light comes
+  // from above alone, what passes the layers above, in and out, is left of it.
+  [[nodiscard]] std::vector<double> largest(const Stack& second, int c) const {
+    std::vector<double> most;
+    double above = 0;
+    for (const Group& g : groups_) {
+      double bound = std::numeric_limits<double>::infinity();
+      for (int k = g.first; k < g.end; ++k) {
+        const double albedo = has_unit_columns_ ? 1 : stack_.layers[k].albedo[c];
+        const double light = std::min(1.0, second.layers[k].depth()) * std::exp(-2 * above);
+        bound = std::min(bound, kBrightest / (albedo * light));
+        if (!stack_.is_open_below()) above += second.layers[k].depth();
+      }
+      most.insert(most.end(), g.columns(), bound);
+    }
+    most.resize(columns_, std::numeric_limits<double>::infinity());
+    return most;
+  }
+
   // The columns' coefficients of every channel; what they leave over, if asked for.
   std::vector<std::vector<double>> coefficients(const std::vector<SpongecakeFactors>& factors,
                                                 std::span<double> residuals) const {
@@ -197,7 +221,7 @@ class Search {
       for (std::size_t n = 0; n < cells_.size(); ++n)
         equations.add({&columns[n * columns_], static_cast<std::size_t>(columns_)},
                       cells_[n].truth[c]);
-      found.push_back(nonnegative_solution(equations));
+      found.push_back(bounded_solution(std::move(equations), largest(second, c)));
       for (std::size_t n = 0; n < cells_.size() && !residuals.empty(); ++n) {
         double f = 0;
         for (int k = 0; k < columns_; ++k) f += columns[n * columns_ + k] * found.back()[k];

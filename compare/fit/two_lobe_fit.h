@@ -43,8 +43,10 @@ struct TwoLobeFit {
 /// nonnegative least squares at every step, for all channels from one factor, so that the search
 /// (Levenberg and Marquardt's, from two starts) has but two numbers per layer: variable projection,
 /// Golub and Pereyra 1973. Layers beyond the kSpongecakeLayers-th share that one's factors and keep
-/// their f0. channels: 1 or 3. Throws std::invalid_argument where the truth is 0 everywhere.
-/// `stop`, once set, ends the search at the next step.
+/// their f0. u and v are 10 / min(1, tau) at most, tau the second lobe's optical depth of the
+/// layer; where light comes from above alone, that times exp(2 tau') below layers of depth tau'.
+/// channels: 1 or 3. Throws std::invalid_argument where the truth is 0 everywhere. `stop`, once
+/// set, ends the search at the next step.
 [[nodiscard]] TwoLobeFit fit_two_lobes(const Stack& stack, const std::vector<LobeCell>& cells,
                                        int channels, const StopFlag* stop = nullptr);
 

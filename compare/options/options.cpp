@@ -74,12 +74,14 @@ std::optional<Stack> stack_at_place(const Options& options, const SurfaceStack& 
   const std::string allowed = fmt::format("--at U,V, each from 0 to 1{}",
                                           has_mean ? ", or --at mean, the mean over the map" : "");
   if (!surface.has_maps()) {
+    // First, as a value that was meant to be a picture (wood.gif) is the nearer fault.
+    Stack stack = surface.at(0, 0);
     if (!options.at.empty())
       throw UsageError(
           fmt::format("--at: found \"{}\" for {}, which has no pictures among its "
                       "values; allowed: no --at",
                       options.at, surface.name()));
-    return surface.at(0, 0);
+    return stack;
   }
   if (options.at.empty())
     throw UsageError(fmt::format("{} and no place; allowed: {}", surface.told(), allowed));

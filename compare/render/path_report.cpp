@@ -42,6 +42,19 @@ double mean_error(const PathPicture& picture) {
   return known > 0 ? std::sqrt(sum * count / known) / count : 0;
 }
 
+// Whether a pixel has two samples, so that the noise is known.
+bool has_noise(const PathPicture& picture) {
+  return std::any_of(picture.samples.begin(), picture.samples.end(),
+                     [](std::uint32_t n) { return n > 1; });
+}
+
+// A dash where single samples do not tell.
+std::string number_or_dash(bool is_known, double value, const char* format) {
+  return is_known ? fmt::format(fmt::runtime(format), value) : "-";
+}
+
+Json number_or_null(bool is_known, double value) { return is_known ? Json(value) : Json(); }
+
 std::uint32_t most_samples(const PathPicture& picture) {
   return *std::max_element(picture.samples.begin(), picture.samples.end());
 }
@@ -137,12 +150,16 @@ std::string picture_table(const std::vector<NamedPicture>& pictures) {
     // A long label has a line of its own.
     const bool is_long = named.told().size() > 26;
     if (is_long) text += fmt::format("  {}\n", named.told());
-    text +=
-        fmt::format("  {:<26} {:>8} {:>8.2f} {:>10.5f} {:>9.1e} {:>10.2e} {:>10} {:>9.1e}\n",
-                    is_long ? "" : named.told(), most_samples(named.picture), named.picture.seconds,
-                    mean_luminance(named.picture), mean_error(named.picture), error.noise,
-                    &named == &pictures.front() ? "truth" : fmt::format("{:.2e}", error.bias),
-                    named.picture.cut);
+    const bool is_truth = &named == &pictures.front();
+    const bool known = has_noise(named.picture),
+               both = known && has_noise(pictures.front().picture);
+    text += fmt::format("  {:<26} {:>7} {:>7.2f} {:>10.5f} {:>8} {:>9} {:>9} {:>6} {:>8.1e}\n",
+                        is_long ? "" : named.told(), most_samples(named.picture),
+                        named.picture.seconds, mean_luminance(named.picture),
+                        number_or_dash(known, mean_error(named.picture), "{:.1e}"),
+                        number_or_dash(both, error.noise, "{:.2e}"),
+                        is_truth ? "truth" : number_or_dash(both, error.bias, "{:.2e}"),
+                        is_truth ? "-" : fmt::format("{:.4f}", error.flip), named.picture.cut);
   }
   return text +
          "\n  noise, bias^2: relative mean square errors over the pixels; bias^2 without the noise "
@@ -155,6 +172,8 @@ Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
   Json list = Json::array();
   for (const NamedPicture& named : pictures) {
     const TracedError error = traced_error(pictures.front().picture, named.picture);
+    const bool known = has_noise(named.picture),
+               both = known && has_noise(pictures.front().picture);
     Json checkpoints = Json::array();
     for (const PathPicture::Checkpoint& at : named.picture.checkpoints)
       checkpoints.push_back(
@@ -164,11 +183,11 @@ Json to_json(const std::vector<NamedPicture>& pictures, const PathRun& run) {
                     {"samples", most_samples(named.picture)},
                     {"seconds", named.picture.seconds},
                     {"mean_luminance", mean_luminance(named.picture)},
-                    {"standard_error", mean_error(named.picture)},
-                    {"noise", error.noise},
-                    {"difference", error.difference},
-                    {"bias", error.bias},
-                    {"bias_error", error.bias_error},
+                    {"standard_error", number_or_null(known, mean_error(named.picture))},
+                    {"noise", number_or_null(both, error.noise)},
+                    {"difference", number_or_null(both, error.difference)},
+                    {"bias", number_or_null(both, error.bias)},
+                    {"bias_error", number_or_null(both, error.bias_error)},
                     {"flip", error.flip},
                     {"cut", named.picture.cut},
                     {"checkpoints", std::move(checkpoints)}});

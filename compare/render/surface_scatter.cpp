@@ -16,6 +16,25 @@ namespace {
 // What of light that was drawn with one density is aimed, where paths find it with the other.
 double aimed_share(double aimed, double path) { return aimed / (aimed + path); }
 
+bool is_reciprocal(const Stack& stack) {
+  if (has_leaning_flakes(stack)) return false;
+  if (!stack.substrate || stack.substrate->model.empty()) return true;
+  const ModelInfo* form = find_model(stack.substrate->model);
+  return !form || form->reciprocal;
+}
+
+// Places along each side of a map that are asked whether the stack is reciprocal there.
+constexpr int kAskedPlaces = 16;
+
+bool is_reciprocal(const StackOfPlaces& stack) {
+  const int columns = std::min(stack.columns, kAskedPlaces),
+            rows = std::min(stack.rows, kAskedPlaces);
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      if (!is_reciprocal(stack.at((column + 0.5) / columns, (row + 0.5) / rows))) return false;
+  return true;
+}
+
 class WalkedSurface final : public SurfaceScatter {
  public:
   WalkedSurface(StackOfPlaces stack, const WalkLimits& limits)
@@ -24,12 +43,6 @@ class WalkedSurface final : public SurfaceScatter {
           return std::make_unique<ViewedStack>(stack_.at(u, v), limits);
         }) {
     // Refuses early, and knows the sides: those of a map's stacks are the same everywhere.
-    const Stack middle = stack_.at(0.5, 0.5);
-    if (middle.substrate && !middle.substrate->model.empty())
-      if (const ModelInfo* form = find_model(middle.substrate->model); form && !form->reciprocal)
-        throw std::invalid_argument(fmt::format(
-            "{}: found a substrate whose closed form, {}, is not reciprocal; allowed: one that is",
-            middle.name, form->name));
     transmits_ = places_.at(0.5, 0.5).transmits();
   }
 
@@ -110,6 +123,52 @@ Scattered scatter_by(const Model& model, bool transmits, Direction wo, const Lig
   return out;
 }
 
+// What is not reciprocal, by walks from the light: one for the light that is aimed at, one for the
+// direction in which the path goes on, which is drawn by the cosine.
+class LitSurface final : public SurfaceScatter {
+ public:
+  LitSurface(StackOfPlaces stack, const WalkLimits& limits)
+      : stack_(std::move(stack)),
+        places_(stack_.columns, stack_.rows, [this, limits](double u, double v) {
+          return std::make_unique<LitStack>(stack_.at(u, v), limits);
+        }) {
+    transmits_ = places_.at(0.5, 0.5).transmits();
+  }
+
+  [[nodiscard]] bool transmits() const override { return transmits_; }
+  [[nodiscard]] double uncollided(double u, double v, Direction w) const override {
+    return places_.at(u, v).uncollided(w);
+  }
+
+  [[nodiscard]] Scattered scatter(double u, double v, Direction wo, const LightAim* aim,
+                                  std::uint64_t seed, std::uint64_t number) const override {
+    const LitStack& stack = places_.at(u, v);
+    RandomStream stream = sample_stream(seed, number);
+    const double passes = stack.uncollided(-wo), p_pass = std::min(0.4, passes);
+    const double p_side = (1 - p_pass) * (transmits_ ? 0.5 : 1);
+    const auto density_of = [&](Direction w) { return p_side * std::abs(w.z) / kPi; };
+    Scattered out;
+    if (aim && (transmits_ || aim->wi.z > 0))
+      out.f =
+          aimed_share(aim->density, density_of(aim->wi)) * stack.f(aim->wi, wo, seed, 2 * number);
+    if (stream.uniform() < p_pass) {
+      out.next = Scattered::Next{-wo, Rgb(passes / p_pass), {}, true};
+    } else {
+      const bool beyond = transmits_ && stream.uniform() < 0.5;
+      const Direction w = cosine_direction(stream, (wo.z > 0) != beyond);
+      const double density = density_of(w);
+      out.next = Scattered::Next{
+          w, (std::abs(w.z) / density) * stack.f(w, wo, seed, 2 * number + 1), density};
+    }
+    return out;
+  }
+
+ private:
+  StackOfPlaces stack_;
+  PlaceGrid<LitStack> places_;
+  bool transmits_ = false;
+};
+
 class ClosedSurface final : public SurfaceScatter {
  public:
   ClosedSurface(const Model& model, bool transmits) : model_(model), transmits_(transmits) {}
@@ -180,6 +239,7 @@ class TabulatedSurface final : public SurfaceScatter {
 
 std::unique_ptr<SurfaceScatter> walked_surface(StackOfPlaces stack, const WalkLimits& limits) {
   try {
+    if (!is_reciprocal(stack)) return std::make_unique<LitSurface>(std::move(stack), limits);
     return std::make_unique<WalkedSurface>(std::move(stack), limits);
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("preview --shape: {}", error.what()));

@@ -47,8 +47,10 @@ class SurfaceScatter {
                                           std::uint64_t seed, std::uint64_t number) const = 0;
 };
 
-/// The truth, by one walk per call (volume/run/viewed_walk.h). A stack with maps has the stack of
-/// the nearest of the places of a PlaceGrid. Throws UsageError for stacks that cannot be walked so.
+/// The truth, by one walk per call from the viewer, or where the stack is not reciprocal by two
+/// from the light (volume/run/viewed_walk.h). A stack with maps has the stack of the nearest of the
+/// places of a PlaceGrid, and is taken as reciprocal where 16 x 16 places are. Throws UsageError
+/// for stacks that cannot be walked so.
 struct StackOfPlaces {
   int columns = 1, rows = 1;                      ///< texels of the finest map along u and v
   std::function<Stack(double u, double v)> at{};  ///< in [0, 1]

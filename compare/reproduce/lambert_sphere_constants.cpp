@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "analytic/half_space/lambert_sphere_formula.h"
 #include "analytic/half_space/lambert_sphere_models.h"
 #include "compare/reproduce/lambert_sphere_figures.h"
 #include "compare/reproduce/number_rows.h"
@@ -57,21 +55,18 @@ std::vector<double> draw_constants(ReproductionContext& context, NumberRows& row
 }
 
 std::vector<Constant> mode_1_constants(double c) {
-  const ThreeTermHalfSpace exact(lambert_sphere_phase_terms(c));
-  // n = l^2 + 45 m / 64 (eq. 27); the fits are eqs. 31 and 32.
-  const double l = exact.l(), m = (exact.n() - l * l) * 64 / 45;
-  return {{"l", l, -0.00473696 * c * c - 0.0589037 * c}, {"m", m, 0.44038 * c + 1}};
+  const ThreeTermConstants exact = exact_lambert_sphere_constants(c),
+                           fit = fitted_lambert_sphere_constants(c);
+  return {{"l", exact.l, fit.l}, {"m", exact.m, fit.m}};
 }
 
 std::vector<Constant> mode_0_constants(double c) {
-  // Twice those of eq. 36.
-  const std::array<double, 6> exact =
-      ThreeTermHalfSpace(lambert_sphere_phase_terms(c)).mode_0_constants();
-  const auto fit = lambert_sphere_formula(Rgb(c)).channels[0];
-  return {{"B", exact[1] / 2, fit.b},
-          {"C", exact[2] / 2, fit.c},
-          {"D", exact[3] / 2, fit.d},
-          {"F", exact[5] / 2, fit.f}};
+  const auto exact = exact_lambert_sphere_constants(c).mode_0,
+             fit = fitted_lambert_sphere_constants(c).mode_0;
+  return {{"B", exact[1], fit[1]},
+          {"C", exact[2], fit[2]},
+          {"D", exact[3], fit[3]},
+          {"F", exact[5], fit[5]}};
 }
 
 }  // namespace

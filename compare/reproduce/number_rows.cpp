@@ -31,7 +31,11 @@ NumberRows::NumberRows(const ReproductionContext& context, std::vector<NumberCol
 }
 
 int NumberRows::width(const NumberColumn& column) const {
-  const int least = column.format.back() == 'e' ? 9 : 8;
+  // Of -0.123456, -1.234e-05: a sign, a digit, the point, digits, an exponent.
+  const std::string& format = column.format;
+  int least = 8;
+  if (format.size() == 3 && format[0] == '.')
+    least = std::max(least, format[1] - '0' + (format.back() == 'e' ? 7 : 3));
   return std::max({least, column.width, static_cast<int>(title_of(column).size())});
 }
 

@@ -93,13 +93,18 @@ Solved solved(const ReproductionContext& context, const Case& one, std::uint64_t
       .truth = matrix_truth(one.stack, walks, seed, context.stop), .trial = nullptr, .best = {}};
   context.go_on();
   s.trial = std::make_unique<SpongecakeTrial>(one.stack, s.truth);
-  if (has_least_squares()) s.best = SpongecakeTrial(one.stack, thinned(s.truth)).best(context.stop);
+  const std::size_t step = context.by_quality(5 * kFitStep, kFitStep, kFitStep);
+  if (has_least_squares())
+    s.best = SpongecakeTrial(one.stack, thinned(s.truth, step)).best(context.stop);
   return s;
 }
 
-// all_orders: pictures of the sum with exact order 1, else of orders 2 and up alone.
-Json lobes_of_cases(ReproductionContext& context, const std::vector<Case>& cases, bool all_orders) {
+// all_orders: pictures of the sum with exact order 1, else of orders 2 and up alone. A draft has
+// the first case and the last.
+Json lobes_of_cases(ReproductionContext& context, std::vector<Case> cases, bool all_orders) {
   Json rows = Json::array();
+  if (context.quality == Quality::draft && cases.size() > 2)
+    cases.erase(cases.begin() + 1, cases.end() - 1);
   const std::uint64_t walks = std::max<std::uint64_t>(
       256, context.walks / (cases.size() * static_cast<std::uint64_t>(kGrid.cells())));
   // Fits are of one thread each.

@@ -6,12 +6,6 @@
 #include "phase/math/luminance.h"
 
 namespace lamella {
-namespace {
-
-// Of the directions of a matrix, every how many-th a fit takes.
-constexpr std::size_t kFitStep = 11;
-
-}  // namespace
 
 MultipleLobes matrix_truth(const Stack& stack, std::uint64_t walks, std::uint64_t seed,
                            const StopFlag* stop) {
@@ -33,11 +27,11 @@ MultipleLobes matrix_truth(const Stack& stack, std::uint64_t walks, std::uint64_
   return all;
 }
 
-MultipleLobes thinned(const MultipleLobes& matrix) {
+MultipleLobes thinned(const MultipleLobes& matrix, std::size_t step) {
   MultipleLobes some{
       .grid = matrix.grid, .incident = {}, .walks = matrix.walks, .value = {}, .variance = {}};
   const std::size_t numbers = 3 * matrix.cells_per_direction();
-  for (std::size_t k = 0; k < matrix.incident.size(); k += kFitStep) {
+  for (std::size_t k = 0; k < matrix.incident.size(); k += step) {
     some.incident.push_back(matrix.incident[k]);
     const auto from = static_cast<std::ptrdiff_t>(k * numbers);
     const auto to = static_cast<std::ptrdiff_t>((k + 1) * numbers);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,8 +19,10 @@ inline constexpr CellGrid kMatrixGrid{8, 16, false};
 [[nodiscard]] MultipleLobes matrix_truth(const Stack& stack, std::uint64_t walks,
                                          std::uint64_t seed, const StopFlag* stop);
 
-/// Twelve of its directions, of other azimuths at every step of mu^2: enough for a fit.
-[[nodiscard]] MultipleLobes thinned(const MultipleLobes& matrix);
+/// Every `step`-th of its directions; of kFitStep twelve, of other azimuths at every step of mu^2:
+/// enough for a fit.
+inline constexpr std::size_t kFitStep = 11;
+[[nodiscard]] MultipleLobes thinned(const MultipleLobes& matrix, std::size_t step = kFitStep);
 
 /// Luminances (Rec. 709) of values, plus those of `more`, which may be empty.
 [[nodiscard]] std::vector<double> luminances(const std::vector<Rgb>& values,

@@ -454,8 +454,11 @@ void check_preview(const std::string& what, const Stack& stack, const std::vecto
   if (found)
     throw UsageError(
         fmt::format("{} {}: found {}; allowed: homogeneous layers and interfaces over none or a "
-                    "reciprocal substrate; preview --shape takes any",
-                    what, stack.name, found));
+                    "reciprocal substrate{}",
+                    what, stack.name, found,
+                    stack.grains() || stack.has_grid()
+                        ? ""
+                        : "; preview --shape takes what is not reciprocal, too"));
 }
 
 }  // namespace lamella

@@ -8,13 +8,6 @@ from lamella_program import WITH_CAIRO, ProgramTest, check_schema
 in_soak = unittest.skipUnless("LAMELLA_SOAK" in os.environ, "a minute and more of solver: in the soak")
 
 
-# Figures that take more than seven seconds of a core even as drafts: tables of whole BRDFs by the
-# solver, beds of small spheres, lobes of several stacks that are fitted. The soak runs them.
-SLOW = {"vmf_figure_1", "vmf_figure_2", "vmf_figure_5", "vmf_figure_6", "vmf_figure_9",
-        "lambert_sphere_figure_11", "lambert_sphere_figure_13", "spongecake_figure_8",
-        "spongecake_figure_9", "spongecake_figure_11", "spongecake_figure_12", "spongecake_figure_13",
-        "spongecake_figure_16", "spongecake_figure_20", "spongecake_figure_22"}
-
 # Those without pictures.
 TABLES = {"eon_table_1", "spongecake_figure_7"}
 
@@ -53,8 +46,6 @@ class EveryFigure(ProgramTest):
     def test_runs_as_a_draft_and_tells_what_agrees(self):
         for figure in self.json_of("reproduce", "--quiet")["reproductions"]:
             name = figure["name"]
-            if name in SLOW:
-                continue
             with self.subTest(name):
                 run = self.run_program("reproduce", name, "--quality", "draft", "--quiet", "-o", name,
                                        "--json", "-")

@@ -323,7 +323,8 @@ class WhatIsWrongWithAMapIsTold(MapsTest):
                 self.assertIn("a.toml:5: ", error)
                 self.assertIn('layer 0: key "albedo"', error)
                 self.assertIn(part, error)
-        self.assertIn("or a picture (.exr, .png, .jpg)", self.refusal(SLAB + 'albedo = "map.tif"\n'))
+        for place in ([], ["--at", "0,0"]):
+            self.assertIn("or a picture (.exr, .png, .jpg)", self.refusal(SLAB + 'albedo = "map.tif"\n', *place))
         # What is wrong beside a map still has its line.
         self.assertIn("a.toml:5: ", self.refusal(SLAB + 'albedo = "one.exr"\nroughness = 2\n', "--at", "0,0"))
         self.assertIn("encoding", self.refusal(SLAB + 'axis = "map.exr"\n', "--at", "0,0"))

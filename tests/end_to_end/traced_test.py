@@ -5,7 +5,7 @@ import math
 import os
 import unittest
 
-from lamella_program import WITH_CAIRO, WITH_EMBREE, ProgramTest
+from lamella_program import WITH_CAIRO, WITH_EMBREE, ProgramTest, check_schema
 from exr_writer import Part, exr_bytes
 
 # What a picture of walks refuses: built-in stacks of grids and of explicit geometry.
@@ -113,6 +113,45 @@ class PathsOnAnObject(ProgramTest):
                     noise = (truth["standard_error"] ** 2 + closed["standard_error"] ** 2) ** 0.5
                     self.assertLess(noise, 0.03 * truth["mean_luminance"])
                     self.assertAlmostEqual(truth["mean_luminance"], closed["mean_luminance"], delta=4.5 * noise)
+
+    def test_see_what_is_not_reciprocal_by_walks_of_light(self):
+        # A closed form that light and viewer may not exchange, as a ground: walks are of it alone.
+        self.write("ground.toml", '[substrate]\nbsdf = "openpbr_diffuse"\nbase_color = 0.5\n')
+        # Flakes of one side that lean, in single scattering: a sheet that light passes.
+        leaning = ('[[layer]]\nmedium = "vmf_flake"\nroughness = 0.5\nthickness = 0.7\nalbedo = 0.8\n'
+                   'flake = "lambert"\naxis = {}\n')
+        self.write("leaning.toml", leaning.format("[0.6, 0.3, 1]"))
+        normals = [[0.5 + 0.2 * x for x in (-1, 0, 1, 0)] for _ in range(2)]
+        half = [[0.5] * 4] * 2
+        (self.folder / "normal.exr").write_bytes(exr_bytes(Part({"R": normals, "G": half, "B": [[0.9] * 4] * 2})))
+        self.write("mapped.toml", leaning.format('{ map = "normal.exr", encoding = "normal", filter = "nearest" }'))
+        for stack, model, more in (("ground", "openpbr_diffuse,base_color=0.5", ["--depth", "3"]),
+                                   ("leaning", "single_scattering", ["--max-order", "1", "--depth", "16"]),
+                                   ("mapped", "single_scattering", ["--max-order", "1", "--depth", "16"])):
+            with self.subTest(stack):
+                pictures = self.traced(f"{stack}.toml", "--shape", "sphere", "--size", "16", "--samples", "512",
+                                       "--environment", "uniform", "--model", model, *more)
+                truth, closed = pictures["truth"], pictures[model.split(",")[0]]
+                noise = (truth["standard_error"] ** 2 + closed["standard_error"] ** 2) ** 0.5
+                self.assertLess(noise, 0.02 * truth["mean_luminance"])
+                self.assertAlmostEqual(truth["mean_luminance"], closed["mean_luminance"], delta=4.5 * noise)
+        self.write("smooth.toml", '[[layer]]\ninterface = "smooth"\nior = 1.5\n' + leaning.format("[0.6, 0.3, 1]") +
+                   '[substrate]\nbsdf = "lambert"\n')
+        self.assertIn("a smooth interface", self.lamella("preview", "smooth.toml", "--shape", "sphere", status=2).err)
+
+    def test_say_no_noise_where_single_samples_do_not_tell_it(self):
+        run = ["preview", "sggx_slab", "--shape", "sphere", "--size", "16", "--model", "lambert", "-o", "out"]
+        for samples, known in (("1", False), ("2", True)):
+            with self.subTest(samples):
+                answer = self.lamella(*run, "--samples", samples, "--json", "a.json")
+                header, *rows = [line.split() for line in answer.out.splitlines()[1:4]]
+                for row, picture in zip(rows, json.loads((self.folder / "a.json").read_text())["traced"]["pictures"]):
+                    self.assertEqual(len(row), len(header), answer.out)
+                    told = dict(zip(header, row))
+                    self.assertEqual([told["+-"] != "-", told["noise"] != "-"], [known, known])
+                    self.assertEqual([picture[key] is not None for key in ("standard_error", "noise", "bias")], 3 * [known])
+                self.assertEqual([row[header.index("FLIP")] == "-" for row in rows], [True, False])
+        check_schema("preview", json.loads((self.folder / "a.json").read_text()))
 
     def test_give_equal_pictures_on_any_number_of_threads(self):
         files = []

@@ -64,4 +64,30 @@ class ViewedStack {
   std::unique_ptr<const Content> content_;
 };
 
+/// A stack that need not be reciprocal, for path tracing: f(w_i, w_o) by one walk from the light
+/// with next-event estimation towards the viewer. Where a path goes on, the caller chooses.
+/// One-sided flakes may lean, and any closed form may be the substrate. Immutable; any thread.
+class LitStack {
+ public:
+  /// Throws std::invalid_argument for what ViewedStack refuses but flakes that lean, and for smooth
+  /// interfaces, delta flakes and substrates that mirror: no walk towards w_o finds a delta.
+  explicit LitStack(const Stack& stack, const WalkLimits& limits = {});
+  ~LitStack();
+  LitStack(LitStack&&) noexcept;
+
+  [[nodiscard]] bool transmits() const;
+  /// As that of ViewedStack.
+  [[nodiscard]] double uncollided(Direction w) const;
+  /// An unbiased estimate of f(w_i, w_o) [1/sr], by the walk of that number. Directions are unit,
+  /// mu != 0; from below only where the stack transmits.
+  [[nodiscard]] Rgb f(Direction wi, Direction wo, std::uint64_t seed, std::uint64_t number) const;
+
+ private:
+  struct Content;
+  std::unique_ptr<const Content> content_;
+};
+
+/// Whether flakes of the stack are one-sided and lean: light and viewer cannot be exchanged.
+[[nodiscard]] bool has_leaning_flakes(const Stack& stack);
+
 }  // namespace lamella

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "compare/ensemble/stack_ensemble.h"
 #include "compare/fit/least_squares.h"
@@ -86,6 +88,25 @@ TEST(NonnegativeLeastSquares, LeavesOutColumnsThatSayNothing) {
   EXPECT_EQ(x[2], 0);
 }
 
+TEST(NonnegativeLeastSquares, KeepsUnknownsWithinTheirBounds) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  // 2 x + y = 4, x - y = 5 has the solution (3, -2) and, not negative, (13 / 5, 0).
+  NormalEquations equations(2);
+  equations.add(std::vector<double>{2, 1}, 4);
+  equations.add(std::vector<double>{1, -1}, 5);
+  EXPECT_NEAR(bounded_solution(equations, std::vector{inf, inf})[0], 2.6, 1e-12);
+  EXPECT_EQ(bounded_solution(equations, std::vector{inf, inf}), nonnegative_solution(equations));
+  // At x = 1: y = 2 and y = -4, whose least is y = 0 as -1 is negative.
+  EXPECT_EQ(bounded_solution(equations, std::vector{1.0, inf}), (std::vector<double>{1, 0}));
+  // A column of 1e-30 beside one of 1: as much of it as is allowed, and the other as before.
+  NormalEquations dark(2);
+  for (const double v : {1.0, 2.0, 3.0}) dark.add(std::vector<double>{1, 1e-30 * v}, 1 + 1e-3 * v);
+  EXPECT_GT(nonnegative_solution(dark)[1], 1e26);
+  const std::vector<double> x = bounded_solution(dark, std::vector{inf, 10.0});
+  EXPECT_EQ(x[1], 10);
+  EXPECT_NEAR(x[0], 1.002, 1e-12);
+}
+
 std::vector<LobeCell> cells_of(const Stack& stack, const SpongecakeLobes& lobes) {
   const Stack second = spongecake_second_stack(stack, lobes.factors);
   std::vector<LobeCell> cells;
@@ -162,6 +183,32 @@ TEST_F(TwoLobeFits, FindLobesOfTheirOwnForm) {
       EXPECT_NEAR(fit.lobes.factors[0].albedo[c], lobes.factors[0].albedo[c], 5e-3);
       EXPECT_NEAR(fit.lobes.factors[0].f0[c], lobes.factors[0].f0[c], 2e-2);
     }
+  }
+}
+
+// Lobes of the form with a weight of 1e6 of a layer that is all but hidden: the fit may not have
+// it, as light from the other side would come back so much brighter. Over a black ground, which
+// light reaches through the upper layer alone, it may.
+TEST_F(TwoLobeFits, GiveALayerTenTimesTheLightThatMeetsItAtMost) {
+  const Layer top = flake_layer(false, 0.9, {0, 0, 1}, Rgb(0.5), Rgb(1), 10);
+  const Layer bottom = flake_layer(false, 0.6, {0, 0, 1}, Rgb(0.5), Rgb(1), 2);
+  for (const bool open : {true, false}) {
+    Stack stack{.name = "hidden", .layers = {top, bottom}, .substrate = {}};
+    const SpongecakeLobes lobes{
+        .factors = {{}, {.albedo = Rgb(1e6)}}, .reflect = Rgb(0), .transmit = Rgb(0)};
+    if (!open) stack.substrate.emplace().albedo = Rgb(0);
+    std::vector<LobeCell> cells = cells_of(stack, lobes);
+    if (!open) std::erase_if(cells, [](const LobeCell& cell) { return !cell.reflected; });
+    const TwoLobeFit fit = fit_two_lobes(stack, cells, 1);
+    double above = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double tau = stack.layers[k].depth() * fit.lobes.factors[k].depth;
+      const double light = std::min(1.0, tau) * (open ? 1 : std::exp(-2 * above));
+      // u and v of a layer each.
+      EXPECT_LE(0.5 * fit.lobes.factors[k].albedo.r, 20 / light * (1 + 1e-9)) << open << ' ' << k;
+      above += tau;
+    }
+    EXPECT_LT(fit.relative_rmse, open ? 1.0 : 0.05);
   }
 }
 

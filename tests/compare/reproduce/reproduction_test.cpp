@@ -81,6 +81,19 @@ TEST(NumberRows, KeepNumbersAndTextsAndRefuseOtherCounts) {
   EXPECT_NO_THROW(NumberRows(context, {{"x"}, {"a", "g", "+-"}, {"y"}, {"b", "g", "+-"}}));
 }
 
+TEST(NumberRows, KeepNegativeNumbersApart) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  ReproductionContext context = quiet();
+  context.table = open_memstream(&text, &size);
+  NumberRows(context, {{"x", ".6f"}, {"y", ".6f"}, {"z", ".3e"}, {"u", ".1f"}})
+      .add({-0.5, -0.25, -0.125, -1.0});
+  std::fclose(context.table);
+  const std::string said(text, size);
+  std::free(text);
+  EXPECT_EQ(said, "-0.500000 -0.250000 -1.250e-01     -1.0\n");
+}
+
 TEST(MapSheet, RefusesMapsOfTheWrongNumberOrSize) {
   MapSheet sheet{.title = "t",
                  .subtitle = "",

@@ -78,6 +78,39 @@ TEST(ViewedWalk, SeesTheBsdfThatWalksOfLightHave) {
   }
 }
 
+// Flakes that lean, by walks of light: f from above and below, reflected and transmitted, with and
+// without a rough face, is that of simulations with other random numbers.
+TEST(LitWalk, HasTheBsdfOfWhatIsNotReciprocal) {
+  const std::uint64_t walks = soaked(20000);
+  const double allowed = normal_quantile(test_level());
+  const std::string leaning = layer(
+      "medium = 'vmf_flake'\nroughness = 0.4\naxis = [0.5, 0.3, 1]\nalbedo = [0.9, 0.6, 0.3]\n"
+      "thickness = 1.2");
+  const std::string face = "[[layer]]\ninterface = 'ggx'\nroughness = 0.4\nior = 1.4\n";
+  for (const std::string& toml :
+       {leaning, face + leaning + "[substrate]\nbsdf = 'lambert'\nalbedo = 0.7\n"}) {
+    const Stack stack = stack_from(toml);
+    EXPECT_THROW(ViewedStack{stack}, std::invalid_argument);
+    EXPECT_TRUE(has_leaning_flakes(stack));
+    const LitStack lit(stack);
+    std::vector<Direction> sides{direction_from_degrees(40, 20)};
+    if (lit.transmits()) sides.push_back(direction_from_degrees(130, 60));
+    for (const Direction wi : sides)
+      for (Direction wo : sides) {
+        std::swap(wo.x, wo.y);
+        Mean f;
+        for (std::uint64_t n = 0; n < walks; ++n) f.add(lit.f(wi, wo, 3, n).r);
+        const Estimate light = f_of_light(stack, wi, wo, walks);
+        const double error = std::sqrt(f.variance() + light.standard_error * light.standard_error);
+        EXPECT_NEAR(f.value(), light.value, allowed * error) << toml << wi.z << ' ' << wo.z;
+        EXPECT_LT(error, 0.1 * f.value()) << toml << wi.z << ' ' << wo.z;
+      }
+  }
+  EXPECT_GT(LitStack(stack_from(leaning)).uncollided({0, 0, 1}), 0);
+  EXPECT_THROW(LitStack{stack_from("[[layer]]\ninterface = 'smooth'\nior = 1.4\n" + leaning)},
+               std::invalid_argument);
+}
+
 // What leaves has the density that is aimed: the energy in two ways, deltas apart.
 TEST(ViewedWalk, DeparturesCarryTheSameEnergyAsWhatIsAimed) {
   const std::uint64_t walks = soaked(20000);
