@@ -60,8 +60,7 @@ class Refinement {
         accuracy_.limit = DeterministicLimit::modes;
         break;
       }
-      if (static_cast<double>(levels().last().bytes) * growth_of_operators(k) >
-          static_cast<double>(options_.max_bytes)) {
+      if (next_bytes(k) > static_cast<double>(options_.max_bytes)) {
         accuracy_.limit = DeterministicLimit::memory;
         break;
       }
@@ -86,6 +85,21 @@ class Refinement {
   [[nodiscard]] const std::vector<Direction>& incident() const { return lobes_.incident(); }
   [[nodiscard]] bool is_stopped() const { return options_.stop && *options_.stop; }
 
+  [[nodiscard]] HarmonicResolution resolution_at(int degree, const std::atomic<bool>* stop) const {
+    HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
+                                                  options_.tolerance, options_.isa, stop);
+    resolution.is_even = is_even(stack_, incident());
+    return resolution;
+  }
+
+  // Of the solution after that of degree k: that of the operators of boundaries grows; without
+  // boundaries it is told beforehand.
+  [[nodiscard]] double next_bytes(std::size_t k) const {
+    if (cosines_) return static_cast<double>(levels().last().bytes) * growth_of_operators(k);
+    const HarmonicResolution next = resolution_at(kHarmonicDegrees[k + 1], nullptr);
+    return static_cast<double>(bytes_of_open(stack_, lobes_.channels(), next));
+  }
+
   // Whether it was done before it was stopped; the first is done in any case.
   bool solve(int degree) {
     try {
@@ -101,16 +115,16 @@ class Refinement {
   void solve_level(int degree, const std::atomic<bool>* stop) {
     HarmonicLevel next{degree, 0, {}};
     if (cosines_) cosines_->refine();
-    HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
-                                                  options_.tolerance, options_.isa, stop);
-    resolution.is_even = is_even(stack_, incident());
+    const HarmonicResolution resolution = resolution_at(degree, stop);
+    if (!cosines_) next.bytes = bytes_of_open(stack_, lobes_.channels(), resolution);
     const LayerKernels kernels(HarmonicTransport::basis_of(resolution),
                                MatrixProduct(options_.isa));
     do {
       next.answers.clear();
+      SharedBoundaries boundaries;
       for (const int channel : lobes_.channels()) {
         if (cosines_)
-          solve_bounded(channel, resolution, kernels, next);
+          solve_bounded(channel, resolution, kernels, boundaries, next);
         else
           solve_open(channel, resolution, kernels, next);
       }
@@ -134,9 +148,9 @@ class Refinement {
   }
 
   void solve_bounded(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
-                     HarmonicLevel& level) {
+                     SharedBoundaries& boundaries, HarmonicLevel& level) {
     const BoundedTransport transport(stack_, channel, resolution, cosines_->asked(), incident(),
-                                     &kernels);
+                                     &kernels, &boundaries);
     level.bytes = std::max(level.bytes, transport.surroundings().bytes());
     level.answers.emplace_back();
     for (std::size_t i = 0; i < incident().size(); ++i) {
