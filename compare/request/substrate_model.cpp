@@ -13,7 +13,8 @@ namespace {
 
 class ModelLaw : public SurfaceLaw {
  public:
-  explicit ModelLaw(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
+  ModelLaw(std::shared_ptr<const Model> model, bool is_symmetric)
+      : model_(std::move(model)), is_symmetric_(is_symmetric) {}
 
   [[nodiscard]] Rgb eval(Direction wi, Direction wo, RandomStream&) const override {
     return model_->eval(wi, wo);
@@ -34,13 +35,22 @@ class ModelLaw : public SurfaceLaw {
     return model_->pdf(wo, wi);
   }
 
+  [[nodiscard]] bool is_symmetric_about_z() const override { return is_symmetric_; }
+
  private:
   std::shared_ptr<const Model> model_;
+  bool is_symmetric_;
 };
 
 // What the closed form of micrograins takes below them.
 const std::vector<std::string>& surface_models() {
   return find(find_model("micrograin")->parameters, "bulk")->choices;
+}
+
+// Closed forms that may lie below differ along x and y by this parameter alone; 0: as along x.
+bool tells_x_from_y(const Parameters& p) {
+  if (!p.has("roughness_y")) return false;
+  return p.number("roughness_y") > 0 && p.number("roughness_y") != p.number("roughness");
 }
 
 }  // namespace
@@ -81,7 +91,7 @@ Stack with_surface_model(Stack stack) {
   }
   fill_defaults(info->parameters, complete);
   try {
-    s.law = std::make_shared<ModelLaw>(info->make(complete, nullptr));
+    s.law = std::make_shared<ModelLaw>(info->make(complete, nullptr), !tells_x_from_y(complete));
   } catch (const ParameterError& error) {
     throw StackFileError(fmt::format("{}: substrate: {}", s.where.at("bsdf"), error.what()));
   }

@@ -19,7 +19,8 @@ namespace {
 // What `auto` lets the solver spend: beyond it walks are the faster way to a useful answer.
 constexpr int kTrialNodes = 64, kTrialModes = 64;
 constexpr double kTrialSeconds = 20;
-constexpr double kNarrow = 0.2;  // in spherical harmonics
+constexpr double kNarrow = 0.2;          // in spherical harmonics
+constexpr double kNarrowBoundary = 0.3;  // where a boundary differs along x and y
 constexpr double kSeconds = 60;  // of a solution that was asked for, unless --time says otherwise
 // Where cells miss the tolerance with kSolverShare of it.
 constexpr double kRefinedShare = 0.1;
@@ -79,9 +80,11 @@ EstimatorChoice choose_estimator(const TruthRequest& request, Estimator of_walks
   if (!request.given.empty())
     return {of_walks, fmt::format("{} asks for walks", to_text(request.given.front())), nullptr};
   if (const auto reason = why_no_solver(stack)) return {of_walks, *reason, nullptr};
-  if (has_anisotropic_boundaries(stack))
+  if (has_anisotropic_boundaries(stack) && narrowest_feature(stack) < kNarrowBoundary)
     return {of_walks,
-            "a boundary differs along x and y, which takes --estimator deterministic minutes",
+            fmt::format("a boundary differs along x and y, and the stack scatters as narrowly as "
+                        "{:.2g}, which takes --estimator deterministic minutes",
+                        narrowest_feature(stack)),
             nullptr};
   if (!stack.is_symmetric_about_z() && narrowest_feature(stack) < kNarrow)
     return {of_walks,

@@ -40,6 +40,9 @@ class Harmonics(ProgramTest):
         self.write("coated.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\n'
                    'roughness = [0.1, 0.2]\n' + FABRIC)
         self.assertIn("differs along x and y", self.lamella("explain", "coated.toml").out)
+        self.write("wide.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\n'
+                   'roughness = [0.4, 0.5]\n' + FABRIC)
+        self.assertIn("spherical harmonics", self.lamella("explain", "wide.toml").out)
         self.write("coated.toml", '[[layer]]\ninterface = "ggx"\nior = 1.5\nroughness = 0.2\n'
                    'scattering = "multiple"\n' + FABRIC)
         answer = self.lamella("simulate", "coated.toml", "--estimator", "deterministic", status=2)

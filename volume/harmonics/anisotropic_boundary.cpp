@@ -30,6 +30,24 @@ VectorXd even_azimuths(int count) {
 // Times as many cosines as nodes: between nodes; for a beam, whose lobe nothing has smoothed.
 constexpr int kFiner = 3, kFinest = 8;
 
+// Whether f is the same at -x and at -y, at some pairs that have nothing to do with each other.
+bool is_mirrored_by_axes(const std::function<double(Direction wi, Direction wo)>& f) {
+  constexpr int kPairs = 64;
+  constexpr double kRounding = 1e-11;
+  for (int n = 0; n < kPairs; ++n) {
+    const auto share = [n](double step) { return std::fmod(0.5 + n * step, 1); };
+    const Direction wi =
+        direction_from_mu_phi(0.02 + 0.98 * share(0.7548776662), 2 * kPi * share(0.5698402910));
+    const Direction wo =
+        direction_from_mu_phi(0.02 + 0.98 * share(0.4301597090), 2 * kPi * share(0.3819660113));
+    const double at = f(wi, wo);
+    const double other = f({-wi.x, wi.y, wi.z}, {-wo.x, wo.y, wo.z});
+    const double third = f({wi.x, -wi.y, wi.z}, {wo.x, -wo.y, wo.z});
+    if (!(std::abs(at - other) + std::abs(at - third) <= kRounding * std::abs(at))) return false;
+  }
+  return true;
+}
+
 bool exists(const std::vector<bool>& list, Index asked) {
   return list.empty() || list[static_cast<std::size_t>(asked)];
 }
@@ -51,13 +69,15 @@ MatrixXd azimuthal_waves(Index waves, const VectorXd& phi) {
 
 AnisotropicBoundary::AnisotropicBoundary(const Interface& interface, const DirectionSets& above,
                                          const DirectionSets& below, int degree,
-                                         const MatrixProduct& product)
+                                         const MatrixProduct& product,
+                                         std::shared_ptr<const Operators> operators)
     : above_(&above),
       below_(&below),
       is_open_(true),
       azimuths_(azimuths_for(degree)),
       product_(product),
-      waves_(azimuthal_waves(2 * degree + 1, even_azimuths(azimuths_))) {
+      waves_(azimuthal_waves(2 * degree + 1, even_azimuths(azimuths_))),
+      operators_(std::move(operators)) {
   const Dielectric boundary{.facets = interface.facets,
                             .masking = interface.masking,
                             .multiple = false,
@@ -65,7 +85,9 @@ AnisotropicBoundary::AnisotropicBoundary(const Interface& interface, const Direc
                             .below = below.index};
   f_ = [boundary](Direction wi, Direction wo) { return boundary.single(wi, wo); };
   absorbed_ = [](Direction) { return 0.0; };
-  make_operators();
+  find_classes(degree);
+  if (!operators_) make_operators();
+  find_absorbed();
 }
 
 AnisotropicBoundary::AnisotropicBoundary(std::shared_ptr<const SurfaceLaw> law, int channel,
@@ -82,7 +104,7 @@ AnisotropicBoundary::AnisotropicBoundary(std::shared_ptr<const SurfaceLaw> law, 
     return law->eval(wi, wo, unused)[channel];
   };
   const auto* conductor = dynamic_cast<const Conductor*>(law.get());
-  has_axes_ = conductor != nullptr;
+  has_axes_ = conductor || is_mirrored_by_axes(f_);
   if (conductor)
     absorbed_ = [law, conductor, channel](Direction wi) {
       const Conductor::Setting& s = conductor->setting();
@@ -94,12 +116,42 @@ AnisotropicBoundary::AnisotropicBoundary(std::shared_ptr<const SurfaceLaw> law, 
                                    },
                                    wi));
     };
+  find_classes(degree);
   make_operators();
+  find_absorbed();
+}
+
+void AnisotropicBoundary::find_classes(int degree) {
+  classes_.assign(has_axes_ ? 4 : 1, {});
+  for (Index m = 0; m <= degree; ++m)
+    for (const bool sine : {false, true})
+      if (m > 0 || !sine)
+        classes_[has_axes_ ? 2 * (m % 2) + (sine ? 1 : 0) : 0].push_back(
+            sine ? 2 * m : std::max(Index{0}, 2 * m - 1));
+  // Of one quadrant, whose ends stand for two azimuths and all between for four.
+  const Index quarter = azimuths_ / 4, azimuths = has_axes_ ? quarter + 1 : azimuths_;
+  const VectorXd phi = even_azimuths(azimuths_);
+  cosines_ = phi.array().cos();
+  sines_ = phi.array().sin();
+  back_.resize(waves_.cols(), azimuths_);
+  Index row = 0;
+  for (const std::vector<Index>& waves : classes_) {
+    MatrixXd& to = arriving_.emplace_back(azimuths, static_cast<Index>(waves.size()));
+    for (std::size_t w = 0; w < waves.size(); ++w) {
+      back_.row(row++) = waves_.col(waves[w]).transpose() / azimuths_;
+      for (Index q = 0; q < azimuths; ++q) {
+        const double copies = !has_axes_ ? 1 : q == 0 || q == quarter ? 2 : 4;
+        to(q, static_cast<Index>(w)) = copies * waves_(q, waves[w]) / azimuths_;
+      }
+    }
+  }
 }
 
 std::size_t AnisotropicBoundary::bytes() const {
   Index entries = 0;
-  for (const MatrixXd& m : operators_) entries += m.size();
+  for (const auto& way : operators_->by_way)
+    for (const Operators::OfClass& of_class : way)
+      entries += of_class.nodes.size() + of_class.asked.size();
   return static_cast<std::size_t>(entries) * sizeof(double);
 }
 
@@ -109,7 +161,8 @@ std::vector<AnisotropicBoundary::Way> AnisotropicBoundary::ways() const {
 }
 
 Direction AnisotropicBoundary::leaving(bool up, double mu, int p) const {
-  return direction_from_mu_phi(up ? mu : -mu, 2 * kPi * p / azimuths_);
+  const double sine = std::sqrt((1 - mu) * (1 + mu));
+  return {sine * cosines_[p], sine * sines_[p], up ? mu : -mu};
 }
 
 AnisotropicBoundary::Between AnisotropicBoundary::between(const DirectionSets& sets, int finer,
@@ -153,52 +206,100 @@ double AnisotropicBoundary::upright(Way way, const DirectionSets& here, const Di
   return way.from_above == way.to_above ? 0 : mu * here.index / there.index;
 }
 
-MatrixXd AnisotropicBoundary::values(Way way, double mu_in, double mu_out) const {
-  MatrixXd f(azimuths_, azimuths_);
-  const int half = azimuths_ / 2, last = has_axes_ ? azimuths_ / 4 : azimuths_ - 1;
-  for (int q = 0; q <= last; ++q) {
-    const Direction wi = -leaving(!way.from_above, mu_in, q);
+std::vector<MatrixXd> AnisotropicBoundary::between_waves(Way way, double mu_in,
+                                                         double mu_out) const {
+  MatrixXd f(azimuths_, arriving_.front().rows());
+  for (Index q = 0; q < f.cols(); ++q) {
+    const Direction wi = -leaving(!way.from_above, mu_in, static_cast<int>(q));
     for (int p = 0; p < azimuths_; ++p) f(p, q) = f_(wi, leaving(way.to_above, mu_out, p));
   }
-  for (int q = last + 1; q < azimuths_; ++q) {
-    // Turned over about the y axis, or about the x axis.
-    const bool about_y = q <= half;
-    const int from = about_y ? half - q : azimuths_ - q;
-    for (int p = 0; p < azimuths_; ++p)
-      f(p, q) = f(((about_y ? half : 0) - p + 2 * azimuths_) % azimuths_, from);
+  const MatrixXd waves = product_(back_, f);
+  std::vector<MatrixXd> by_class;
+  Index row = 0;
+  for (const MatrixXd& arriving : arriving_) {
+    by_class.push_back(product_(waves.middleRows(row, arriving.cols()), arriving));
+    row += arriving.cols();
   }
-  return f;
+  return by_class;
 }
 
 void AnisotropicBoundary::make_operators() {
-  const Index waves = waves_.cols();
-  const MatrixXd back = waves_.transpose() / azimuths_;
+  auto all = std::make_shared<Operators>();
   for (const Way way : ways()) {
-    const DirectionSets &from = set(way.from_above), &to = set(way.to_above);
-    MatrixXd& all =
-        operators_.emplace_back(MatrixXd::Zero(waves * to.nodes(), waves * from.nodes()));
-    tbb::parallel_for(Index{0}, from.nodes(), [&](Index j) {
-      const Between fine = between(to, kFiner, upright(way, from, to, from.in[j]));
-      for (Index k = 0; k < fine.mu.size(); ++k) {
-        const MatrixXd at =
-            product_(product_(back, values(way, from.in[j], fine.mu[k])), waves_ / azimuths_);
-        for (Index i = 0; i < to.nodes(); ++i)
-          if (const double share = fine.of_nodes(k, i) * fine.flux[k] / to.flux[i]; share != 0)
-            all.block(i * waves, j * waves, waves, waves) += share * at;
+    std::vector<Operators::OfClass>& of_way = all->by_way.emplace_back(classes_.size());
+    make_nodes(way, of_way);
+    make_asked(way, of_way);
+  }
+  operators_ = std::move(all);
+}
+
+void AnisotropicBoundary::make_nodes(Way way, std::vector<Operators::OfClass>& all) const {
+  const DirectionSets &from = set(way.from_above), &to = set(way.to_above);
+  for (std::size_t c = 0; c < classes_.size(); ++c) {
+    const Index waves = arriving_[c].cols();
+    all[c].nodes = MatrixXd::Zero(waves * to.nodes(), waves * from.nodes());
+  }
+  tbb::parallel_for(Index{0}, from.nodes(), [&](Index j) {
+    const Between fine = between(to, kFiner, upright(way, from, to, from.in[j]));
+    for (Index k = 0; k < fine.mu.size(); ++k) {
+      const std::vector<MatrixXd> at = between_waves(way, from.in[j], fine.mu[k]);
+      for (Index i = 0; i < to.nodes(); ++i) {
+        const double share = fine.of_nodes(k, i) * fine.flux[k] / to.flux[i];
+        if (share == 0) continue;
+        for (std::size_t c = 0; c < at.size(); ++c) {
+          const Index waves = at[c].rows();
+          all[c].nodes.block(i * waves, j * waves, waves, waves) += share * at[c];
+        }
       }
-    });
+    }
+  });
+}
+
+void AnisotropicBoundary::make_asked(Way way, std::vector<Operators::OfClass>& all) const {
+  const DirectionSets &from = set(way.from_above), &to = set(way.to_above);
+  const Index asked = to.out.size() - to.nodes();
+  for (std::size_t c = 0; c < classes_.size(); ++c) {
+    const Index waves = arriving_[c].cols();
+    all[c].asked = MatrixXd::Zero(waves * asked, waves * from.nodes());
   }
+  tbb::parallel_for(Index{0}, asked, [&](Index i) {
+    if (!exists(to.out_exists, i)) return;
+    const double mu = to.out[to.nodes() + i];
+    const Between fine = between(from, kFiner, upright(way, to, from, mu));
+    for (Index k = 0; k < fine.mu.size(); ++k) {
+      const std::vector<MatrixXd> at = between_waves(way, fine.mu[k], mu);
+      for (Index j = 0; j < from.nodes(); ++j) {
+        const double share = fine.of_nodes(k, j) * fine.flux[k] / from.flux[j];
+        if (share == 0) continue;
+        for (std::size_t c = 0; c < at.size(); ++c) {
+          const Index waves = at[c].rows();
+          all[c].asked.block(i * waves, j * waves, waves, waves) += share * at[c];
+        }
+      }
+    }
+  });
+}
+
+void AnisotropicBoundary::find_absorbed() {
   if (!absorbed_) return;
-  absorbed_waves_.resize(above_->nodes(), waves);
-  if (is_open_) {
-    absorbed_waves_.setZero();
-    return;
-  }
+  absorbed_waves_ = MatrixXd::Zero(above_->nodes(), waves_.cols());
+  if (is_open_) return;
   tbb::parallel_for(Index{0}, above_->nodes(), [&](Index j) {
     VectorXd shares(azimuths_);
     for (int q = 0; q < azimuths_; ++q) shares[q] = absorbed_(-leaving(false, above_->in[j], q));
-    absorbed_waves_.row(j) = (back * shares).transpose();
+    absorbed_waves_.row(j) = (waves_.transpose() * shares).transpose() / azimuths_;
   });
+}
+
+void AnisotropicBoundary::add(const MatrixXd& of_class, const std::vector<Index>& waves,
+                              const MatrixXd& irradiance, Index first, MatrixXd& answer) const {
+  const Index count = static_cast<Index>(waves.size());
+  MatrixXd in(count, irradiance.rows());
+  for (Index w = 0; w < count; ++w) in.row(w) = irradiance.col(waves[w]).transpose();
+  const VectorXd out = of_class * Map<const VectorXd>(in.data(), in.size());
+  for (Index w = 0; w < count; ++w)
+    for (Index i = 0; i * count < out.size(); ++i)
+      answer(first + i, waves[w]) += out[i * count + w];
 }
 
 FaceLight AnisotropicBoundary::from(const FaceLight& arriving) const {
@@ -207,51 +308,32 @@ FaceLight AnisotropicBoundary::from(const FaceLight& arriving) const {
                     MatrixXd::Zero(above_->out.size(), columns)};
   const std::vector<Way> all = ways();
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const Way way = all[k];
-    const DirectionSets &from = set(way.from_above), &to = set(way.to_above);
-    const MatrixXd& light = way.from_above ? arriving.down : arriving.up;
+    const DirectionSets& from = set(all[k].from_above);
+    const MatrixXd& light = all[k].from_above ? arriving.down : arriving.up;
     if (light.size() == 0) continue;
-    const MatrixXd irradiance =
-        (from.flux.asDiagonal() * light.topLeftCorner(from.nodes(), waves)).transpose();
-    const VectorXd answer =
-        operators_[k] * Map<const VectorXd>(irradiance.data(), irradiance.size());
-    (way.to_above ? leaving.up : leaving.down).topLeftCorner(to.nodes(), waves) +=
-        Map<const MatrixXd>(answer.data(), waves, to.nodes()).transpose();
+    const MatrixXd irradiance = from.flux.asDiagonal() * light.topLeftCorner(from.nodes(), waves);
+    for (std::size_t c = 0; c < classes_.size(); ++c)
+      add(operators_->by_way[k][c].nodes, classes_[c], irradiance, 0,
+          all[k].to_above ? leaving.up : leaving.down);
   }
   return leaving;
 }
 
 void AnisotropicBoundary::add_asked(const std::vector<FaceLight>& arriving,
                                     std::vector<FaceLight>& leaving) const {
-  const Index waves = waves_.cols(), count = static_cast<Index>(arriving.size());
-  for (const Way way : ways()) {
-    const DirectionSets &from = set(way.from_above), &to = set(way.to_above);
-    const Index asked = to.out.size() - to.nodes();
-    tbb::parallel_for(Index{0}, asked, [&](Index i) {
-      if (!exists(to.out_exists, i)) return;
-      const double mu = to.out[to.nodes() + i];
-      const Between fine = between(from, kFiner, upright(way, to, from, mu));
-      // Irradiance at the azimuths: rows; by cosine and entry.
-      std::vector<MatrixXd> light(static_cast<std::size_t>(fine.mu.size()),
-                                  MatrixXd::Zero(azimuths_, count));
-      for (Index k = 0; k < count; ++k) {
-        const MatrixXd& in = way.from_above ? arriving[k].down : arriving[k].up;
-        if (in.size() == 0) continue;
-        const MatrixXd at = product_(product_(fine.of_nodes, in.topLeftCorner(from.nodes(), waves)),
-                                     waves_.transpose());
-        for (Index j = 0; j < fine.mu.size(); ++j)
-          light[j].col(k) = fine.flux[j] / azimuths_ * at.row(j).transpose();
-      }
-      MatrixXd sum = MatrixXd::Zero(azimuths_, count);
-      for (Index j = 0; j < fine.mu.size(); ++j)
-        if (!light[j].isZero(0)) sum += values(way, fine.mu[j], mu) * light[j];
-      const MatrixXd in_waves = waves_.transpose() * sum / azimuths_;
-      for (Index k = 0; k < count; ++k) {
-        MatrixXd& out = way.to_above ? leaving[k].up : leaving[k].down;
-        out.row(to.nodes() + i).head(waves) += in_waves.col(k).transpose();
-      }
-    });
-  }
+  const std::vector<Way> all = ways();
+  tbb::parallel_for(std::size_t{0}, arriving.size(), [&](std::size_t n) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const DirectionSets &from = set(all[k].from_above), &to = set(all[k].to_above);
+      const MatrixXd& light = all[k].from_above ? arriving[n].down : arriving[n].up;
+      if (light.size() == 0) continue;
+      const MatrixXd irradiance =
+          from.flux.asDiagonal() * light.topLeftCorner(from.nodes(), waves_.cols());
+      for (std::size_t c = 0; c < classes_.size(); ++c)
+        add(operators_->by_way[k][c].asked, classes_[c], irradiance, to.nodes(),
+            all[k].to_above ? leaving[n].up : leaving[n].down);
+    }
+  });
 }
 
 FaceLight AnisotropicBoundary::from_beam(double azimuth, Index in, double down, double up,

@@ -118,7 +118,8 @@ SurroundedLight& SurroundedLight::operator+=(const SurroundedLight& other) {
 BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
                                      std::vector<LayerBlock> blocks, int nodes, int modes,
                                      int degree, std::span<const AskedCosine> asked_out,
-                                     std::span<const AskedCosine> asked_in, Isa isa)
+                                     std::span<const AskedCosine> asked_in, Isa isa,
+                                     SharedBoundaries* shared)
     : blocks_(std::move(blocks)) {
   const RefractiveNodes refractive{indices_of(stack), nodes, grazing_map(stack)};
   for (std::size_t k = 0; k <= blocks_.size(); ++k) {
@@ -143,8 +144,10 @@ BlockSurroundings::BlockSurroundings(const Stack& stack, int channel,
       const DirectionSets& below =
           plain_.emplace_back(refractive, elements_.back().front().below, asked_out, asked_in);
       for (int m = 0; m < modes; ++m) pile[m] = apart(above, below, true, m);
-      anisotropic_.back() =
-          std::make_unique<AnisotropicBoundary>(*face, above, below, degree, MatrixProduct(isa));
+      const auto made = shared ? (*shared)[k] : nullptr;
+      anisotropic_.back() = std::make_unique<AnisotropicBoundary>(*face, above, below, degree,
+                                                                  MatrixProduct(isa), made);
+      if (shared) (*shared)[k] = anisotropic_.back()->operators();
     } else if (elements_.back().empty() && !is_ground) {
       const DirectionSets& sets =
           plain_.emplace_back(refractive, stack.index_of(begin), asked_out, asked_in);

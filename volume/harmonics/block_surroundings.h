@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <deque>
+#include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,6 +38,11 @@ struct ArrivingBeam {
   std::vector<double> up;    ///< by pile: that arrives from below
 };
 
+/// Operators of interfaces that are not symmetric, which colour channels share at one resolution
+/// and for the same asked cosines: by pile, once they are made.
+using SharedBoundaries =
+    std::map<std::size_t, std::shared_ptr<const AnisotropicBoundary::Operators>>;
+
 /// What lies around the blocks of a stack in one colour channel: piles of boundaries and of layers
 /// that are symmetric about the normal, as operators by azimuthal mode (volume/adding), or one
 /// boundary alone that is not. Pile k lies above block k; the last one, below them all, may be
@@ -43,10 +50,11 @@ struct ArrivingBeam {
 class BlockSurroundings {
  public:
   /// modes: of the azimuth; degree: the highest wave of boundaries that are not symmetric.
-  /// asked_out, asked_in: cosines outside, each with the index of its medium.
+  /// asked_out, asked_in: cosines outside, each with the index of its medium. shared: or nothing.
   BlockSurroundings(const Stack& stack, int channel, std::vector<LayerBlock> blocks, int nodes,
                     int modes, int degree, std::span<const AskedCosine> asked_out,
-                    std::span<const AskedCosine> asked_in, Isa isa);
+                    std::span<const AskedCosine> asked_in, Isa isa,
+                    SharedBoundaries* shared = nullptr);
 
   [[nodiscard]] const std::vector<LayerBlock>& blocks() const { return blocks_; }
   /// The directions within a block; of the media above and below the stack.

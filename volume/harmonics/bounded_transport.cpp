@@ -57,13 +57,14 @@ MatrixXd BoundedTransport::waves_at(Index waves, std::span<const double> phi) {
 BoundedTransport::BoundedTransport(const Stack& stack, int channel,
                                    const HarmonicResolution& resolution,
                                    std::span<const AskedCosine> asked,
-                                   std::span<const Direction> incident, const LayerKernels* kernels)
+                                   std::span<const Direction> incident, const LayerKernels* kernels,
+                                   SharedBoundaries* shared)
     : resolution_(resolution),
       basis_(resolution.degree),
       azimuths_(azimuths_for(resolution.degree)),
       surroundings_(stack, channel, layer_blocks(stack), nodes_for(stack, resolution.degree),
                     (azimuths_ - 1) / 2 + 1, resolution.degree, asked, cosines_of(stack, incident),
-                    resolution.isa),
+                    resolution.isa, shared),
       elements_(elements_of(stack)),
       ground_(ground_of(stack, channel)) {
   const LayerKernels own(basis_, MatrixProduct(resolution.isa));

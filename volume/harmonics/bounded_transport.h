@@ -30,10 +30,10 @@ struct BoundedStep {
 class BoundedTransport {
  public:
   /// asked: cosines outside along which light is asked for; incident: of beams. kernels: as
-  /// HarmonicTransport has them.
+  /// HarmonicTransport has them. shared: as BlockSurroundings has them.
   BoundedTransport(const Stack& stack, int channel, const HarmonicResolution& resolution,
                    std::span<const AskedCosine> asked, std::span<const Direction> incident,
-                   const LayerKernels* kernels = nullptr);
+                   const LayerKernels* kernels = nullptr, SharedBoundaries* shared = nullptr);
 
   [[nodiscard]] const HarmonicBasis& basis() const { return basis_; }
   [[nodiscard]] const HarmonicResolution& resolution() const { return resolution_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "volume/harmonics/harmonic_scope.h"
 #include "volume/harmonics/harmonic_transport.h"
@@ -30,6 +31,15 @@ inline constexpr int kHarmonicDegrees[] = {12, 17, 24, 34, 48, 68, 96, 136, 192}
 /// The memory of boundaries' operators at the next degree over that at degree k: nodes and waves of
 /// both sides, where boundaries couple them.
 [[nodiscard]] inline double growth_of_operators(std::size_t k) { return growth(k); }
+
+/// Bytes that a solution without boundaries holds, of the channel that takes most.
+[[nodiscard]] inline std::size_t bytes_of_open(const Stack& stack, const std::vector<int>& channels,
+                                               const HarmonicResolution& resolution) {
+  std::size_t most = 0;
+  for (const int channel : channels)
+    most = std::max(most, HarmonicTransport::bytes(stack, channel, resolution));
+  return most;
+}
 
 /// Light that grazes more than this is solved as if it did not.
 [[nodiscard]] inline Direction solvable(Direction wi) {

@@ -143,6 +143,20 @@ HarmonicKernel::HarmonicKernel(const Medium& medium, double f0, const HarmonicBa
   if (axis.x != 0 || axis.y != 0 || axis.z < 0) turn_.emplace(basis, axis, product);
 }
 
+std::size_t HarmonicKernel::bytes(const Medium& medium, const HarmonicBasis& basis) {
+  if (!has_normals(medium)) return sizeof(double) * static_cast<std::size_t>(basis.degree() + 1);
+  const auto normals = axial_normals(medium);
+  const std::size_t degrees = basis.degree() + 1, size = basis.size();
+  // Turns there and back, of cosines and sines; one block per m, or eight of all.
+  const std::size_t parities = basis.is_even() ? 1 : 2;
+  const std::size_t turns = normals && normals->axis.z == 1
+                                ? 0
+                                : 2 * parities * degrees * (degrees + 1) * (2 * degrees + 1) / 6;
+  const std::size_t blocks =
+      normals ? degrees * (degrees + 1) * (2 * degrees + 1) / 6 : size * size / 8;
+  return sizeof(double) * (turns + blocks);
+}
+
 MatrixXd HarmonicKernel::apply(const MatrixXd& radiance) const {
   if (triaxial_) return triaxial_->apply(radiance);
   MatrixXd source(radiance.rows(), radiance.cols());

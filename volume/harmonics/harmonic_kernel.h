@@ -24,6 +24,9 @@ class HarmonicKernel {
   /// Columns: functions on the sphere, in the slab's frame.
   [[nodiscard]] Eigen::MatrixXd apply(const Eigen::MatrixXd& radiance) const;
 
+  /// Bytes of one: of what it holds.
+  [[nodiscard]] static std::size_t bytes(const Medium& medium, const HarmonicBasis& basis);
+
  private:
   HarmonicBasis basis_;
   MatrixProduct product_;

@@ -16,7 +16,7 @@ struct HarmonicAnswer {
 /// The answers of one degree, by distinct channel and direction.
 struct HarmonicLevel {
   int degree = 0;
-  std::size_t bytes = 0;  ///< of the operators of boundaries
+  std::size_t bytes = 0;  ///< of the operators of boundaries, or of all without boundaries
   std::vector<std::vector<HarmonicAnswer>> answers;
 };
 

@@ -82,12 +82,17 @@ class PairRefinement {
         accuracy.limit = DeterministicLimit::modes;
         break;
       }
+      if (next_bytes(k) > static_cast<double>(options_.max_bytes)) {
+        accuracy.limit = DeterministicLimit::memory;
+        break;
+      }
       const double next = (seconds() - before) * growth(k);
       if (seconds() + next > options_.max_seconds) {
         accuracy.limit = DeterministicLimit::time;
         break;
       }
     }
+    accuracy.bytes = bytes_;
     accuracy.nodes = std::max(32, accuracy.harmonics + 8);
     accuracy.modes = accuracy.harmonics + 1;
     accuracy.channel_modes.fill(accuracy.modes);
@@ -105,16 +110,30 @@ class PairRefinement {
   // By part: now, and one and two steps ago.
   using Parts = std::array<double, kHarmonicParts>;
 
-  void solve(int degree, const std::atomic<bool>* stop) {
-    std::vector<std::vector<Parts>> next(channels_.size(), std::vector<Parts>(pairs_.size()));
+  [[nodiscard]] HarmonicResolution resolution_at(int degree, const std::atomic<bool>* stop) const {
     HarmonicResolution resolution =
         resolution_of(degree, levels_, lowest_, options_.tolerance, options_.isa, stop);
     resolution.is_even = is_even_;
+    return resolution;
+  }
+
+  // As in harmonic_runs.
+  [[nodiscard]] double next_bytes(std::size_t k) const {
+    if (is_bounded_) return static_cast<double>(bytes_) * growth_of_operators(k);
+    return static_cast<double>(
+        bytes_of_open(stack_, channels_, resolution_at(kHarmonicDegrees[k + 1], nullptr)));
+  }
+
+  void solve(int degree, const std::atomic<bool>* stop) {
+    std::vector<std::vector<Parts>> next(channels_.size(), std::vector<Parts>(pairs_.size()));
+    const HarmonicResolution resolution = resolution_at(degree, stop);
+    bytes_ = is_bounded_ ? 0 : bytes_of_open(stack_, channels_, resolution);
     const LayerKernels kernels(HarmonicTransport::basis_of(resolution),
                                MatrixProduct(options_.isa));
+    SharedBoundaries boundaries;
     for (std::size_t n = 0; n < channels_.size(); ++n) {
       if (is_bounded_)
-        solve_bounded(channels_[n], resolution, kernels, next[n]);
+        solve_bounded(channels_[n], resolution, kernels, boundaries, next[n]);
       else
         solve_open(channels_[n], resolution, kernels, next[n]);
     }
@@ -139,7 +158,7 @@ class PairRefinement {
   }
 
   void solve_bounded(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
-                     std::vector<Parts>& answers) const {
+                     SharedBoundaries& boundaries, std::vector<Parts>& answers) {
     const double bottom = stack_.index_of(stack_.layers.size());
     std::vector<AskedCosine> asked;
     std::vector<Direction> incident;
@@ -148,7 +167,9 @@ class PairRefinement {
       asked.push_back({std::abs(wo.z), wo.z > 0 ? 1 : bottom});
       if (incident.empty() || !(incident.back() == wi)) incident.push_back(wi);
     }
-    const BoundedTransport transport(stack_, channel, resolution, asked, incident, &kernels);
+    const BoundedTransport transport(stack_, channel, resolution, asked, incident, &kernels,
+                                     &boundaries);
+    bytes_ = std::max(bytes_, transport.surroundings().bytes());
     std::optional<BoundedSolution> solution;
     std::size_t beams = 0;
     for (std::size_t place = 0; place < order_.size(); ++place) {
@@ -241,6 +262,7 @@ class PairRefinement {
   std::vector<int> channels_;
   std::array<int, 3> channel_of_{};
   int levels_ = 0;
+  std::size_t bytes_ = 0;                         // of the last solution
   std::vector<std::vector<Parts>> now_, before_;  // by distinct channel and pair
   std::vector<Exact> exact_;
   std::array<double, kHarmonicParts> mean_{}, ahead_{};

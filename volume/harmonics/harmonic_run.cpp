@@ -38,9 +38,10 @@ class Refinement {
       : stack_(stack),
         grid_(grid),
         options_(options),
-        is_bounded_(stack.has_boundaries()),
         pairs_(stack, options.isa),
-        lobes_(stack, plan, incident, grid) {}
+        lobes_(stack, plan, incident, grid) {
+    if (stack.has_boundaries()) cosines_.emplace(grid, stack);
+  }
 
   std::vector<RunResult> run() {
     const std::size_t begin = first_degree(stack_);
@@ -59,8 +60,7 @@ class Refinement {
         accuracy_.limit = DeterministicLimit::modes;
         break;
       }
-      if (static_cast<double>(levels().last().bytes) * growth_of_operators(k) >
-          static_cast<double>(options_.max_bytes)) {
+      if (next_bytes(k) > static_cast<double>(options_.max_bytes)) {
         accuracy_.limit = DeterministicLimit::memory;
         break;
       }
@@ -85,6 +85,21 @@ class Refinement {
   [[nodiscard]] const std::vector<Direction>& incident() const { return lobes_.incident(); }
   [[nodiscard]] bool is_stopped() const { return options_.stop && *options_.stop; }
 
+  [[nodiscard]] HarmonicResolution resolution_at(int degree, const std::atomic<bool>* stop) const {
+    HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
+                                                  options_.tolerance, options_.isa, stop);
+    resolution.is_even = is_even(stack_, incident());
+    return resolution;
+  }
+
+  // Of the solution after that of degree k: that of the operators of boundaries grows; without
+  // boundaries it is told beforehand.
+  [[nodiscard]] double next_bytes(std::size_t k) const {
+    if (cosines_) return static_cast<double>(levels().last().bytes) * growth_of_operators(k);
+    const HarmonicResolution next = resolution_at(kHarmonicDegrees[k + 1], nullptr);
+    return static_cast<double>(bytes_of_open(stack_, lobes_.channels(), next));
+  }
+
   // Whether it was done before it was stopped; the first is done in any case.
   bool solve(int degree) {
     try {
@@ -95,19 +110,25 @@ class Refinement {
     }
   }
 
+  // Rows of cells that wanted more elevations have them in the next solution; the first, which
+  // takes little, is repeated until they are enough.
   void solve_level(int degree, const std::atomic<bool>* stop) {
     HarmonicLevel next{degree, 0, {}};
-    HarmonicResolution resolution = resolution_of(degree, levels().count(), lobes_.lowest(),
-                                                  options_.tolerance, options_.isa, stop);
-    resolution.is_even = is_even(stack_, incident());
+    if (cosines_) cosines_->refine();
+    const HarmonicResolution resolution = resolution_at(degree, stop);
+    if (!cosines_) next.bytes = bytes_of_open(stack_, lobes_.channels(), resolution);
     const LayerKernels kernels(HarmonicTransport::basis_of(resolution),
                                MatrixProduct(options_.isa));
-    for (const int channel : lobes_.channels()) {
-      if (is_bounded_)
-        solve_bounded(channel, resolution, kernels, next);
-      else
-        solve_open(channel, resolution, kernels, next);
-    }
+    do {
+      next.answers.clear();
+      SharedBoundaries boundaries;
+      for (const int channel : lobes_.channels()) {
+        if (cosines_)
+          solve_bounded(channel, resolution, kernels, boundaries, next);
+        else
+          solve_open(channel, resolution, kernels, next);
+      }
+    } while (levels().count() == 0 && cosines_ && cosines_->refine());
     lobes_.levels.add(std::move(next));
   }
 
@@ -127,10 +148,9 @@ class Refinement {
   }
 
   void solve_bounded(int channel, const HarmonicResolution& resolution, const LayerKernels& kernels,
-                     HarmonicLevel& level) const {
-    const CellCosines cosines(grid_, stack_);
-    const BoundedTransport transport(stack_, channel, resolution, cosines.asked(), incident(),
-                                     &kernels);
+                     SharedBoundaries& boundaries, HarmonicLevel& level) {
+    const BoundedTransport transport(stack_, channel, resolution, cosines_->asked(), incident(),
+                                     &kernels, &boundaries);
     level.bytes = std::max(level.bytes, transport.surroundings().bytes());
     level.answers.emplace_back();
     for (std::size_t i = 0; i < incident().size(); ++i) {
@@ -139,7 +159,8 @@ class Refinement {
       HarmonicAnswer answer{solution.energies(), {}};
       for (const bool up : {true, false})
         if (lobes_.sees(i, up))
-          answer.sides[up ? 0 : 1] = cosines.means(solution, up, azimuth(incident()[i]));
+          answer.sides[up ? 0 : 1] =
+              cosines_->means(solution, up, azimuth(incident()[i]), options_.tolerance);
       level.answers.back().push_back(std::move(answer));
     }
   }
@@ -229,7 +250,7 @@ class Refinement {
   // of the tolerance, unless that would take too long. if_enough: only if that is all that is
   // missing.
   bool solve_pairs(bool if_enough) {
-    if (is_bounded_ || pairs_.is_empty()) return false;
+    if (cosines_ || pairs_.is_empty()) return false;
     std::vector<PairSide> sides;
     for (std::size_t i = 0; i < incident().size(); ++i)
       for (const bool up : {true, false}) {
@@ -294,7 +315,7 @@ class Refinement {
   const Stack& stack_;
   CellGrid grid_;
   HarmonicOptions options_;
-  bool is_bounded_;
+  std::optional<CellCosines> cosines_;  // where there are boundaries
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   MirrorPairs pairs_;
   HarmonicLobes lobes_;

@@ -18,7 +18,8 @@ struct HarmonicOptions {
   double tolerance = 1e-4;  ///< of a cell, relative to the mean over its row
   double max_seconds = 60;  ///< a finer solution is not begun where it would end later
   int max_degree = 192;
-  /// Of the operators of boundaries; a finer solution is not begun where it would take more.
+  /// Of the operators of boundaries; without boundaries of kernels, rays and sources. A finer
+  /// solution is not begun where it would take more.
   std::size_t max_bytes = std::size_t{2} << 30;
   /// Where a run is repeated: DeterministicAccuracy::integrated_from, whatever the clock says.
   std::optional<int> integrate_from{};

@@ -3,10 +3,28 @@
 #include <algorithm>
 #include <cmath>
 
+#include "phase/surface/conductor.h"
 #include "volume/harmonics/axial_normals.h"
 #include "volume/harmonics/harmonic_kernel.h"
 
 namespace lamella {
+
+namespace {
+
+// The roughness of a ground that tells x from y, a conductor or a closed form.
+double width_of_ground(const Stack& stack) {
+  if (!stack.substrate || !stack.substrate->law || stack.substrate->law->is_symmetric_about_z())
+    return 1;
+  if (const auto* conductor = dynamic_cast<const Conductor*>(stack.substrate->law.get()))
+    return std::min(conductor->setting().facets.alpha_x, conductor->setting().facets.alpha_y);
+  double width = 1;
+  for (const char* const key : {"roughness", "roughness_y"})
+    if (stack.substrate->parameters.has(key))
+      width = std::min(width, stack.substrate->parameters.number(key));
+  return width;
+}
+
+}  // namespace
 
 double narrowest_feature(const Stack& stack) {
   double width = 1;
@@ -18,7 +36,7 @@ double narrowest_feature(const Stack& stack) {
         std::min(width, has_normals(layer.medium) ? width_of_normals(layer.medium)
                                                   : 1 - std::abs(traits(layer.medium).mean_cosine));
   }
-  return width;
+  return std::min(width, width_of_ground(stack));
 }
 
 namespace {

@@ -12,8 +12,8 @@ namespace lamella {
 [[nodiscard]] std::optional<std::string> why_not_harmonic(const Stack& stack);
 
 /// The width of the narrowest phase function in the stack, or the roughness of facets that tell x
-/// from y [radians], 1 at the most: the degree that
-/// a solution takes grows with its inverse.
+/// from y, the ground's included [radians], 1 at the most: the degree that a solution takes grows
+/// with its inverse.
 [[nodiscard]] double narrowest_feature(const Stack& stack);
 
 /// Whether a stack without boundaries and some incident directions are the same at y and -y, so

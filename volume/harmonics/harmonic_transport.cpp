@@ -46,6 +46,28 @@ HarmonicTransport::HarmonicTransport(const Stack& stack, int channel,
   });
 }
 
+std::size_t HarmonicTransport::bytes(const Stack& stack, int channel,
+                                     const HarmonicResolution& resolution) {
+  const HarmonicBasis basis = basis_of(resolution);
+  const LayeredStreams streams(stack, channel, resolution.finest, resolution.depth_nodes);
+  const std::size_t azimuths = azimuths_for(resolution.degree) / (basis.is_even() ? 2 : 1);
+  const std::size_t rays = 2 * cosines_for(resolution.degree) * azimuths;
+  const std::size_t nodes = streams.size(), harmonics = basis.size();
+  // By ray what its integrals take, the source and the radiance; amplitudes between those and
+  // coefficients; some sources.
+  constexpr std::size_t kSources = 8;
+  std::size_t sum =
+      sizeof(double) * (rays * (streams.block_size() + 3 * nodes) + kSources * harmonics * nodes);
+  std::vector<const Layer*> seen;
+  for (const LayeredStreams::Part& part : streams.parts()) {
+    const auto is_same = [&](const Layer* other) { return other->medium == part.layer->medium; };
+    if (std::any_of(seen.begin(), seen.end(), is_same)) continue;
+    seen.push_back(part.layer);
+    sum += HarmonicKernel::bytes(part.layer->medium, basis);
+  }
+  return sum;
+}
+
 HarmonicSource HarmonicTransport::scattered(const MatrixXd& radiance, double arriving) const {
   return {block_.scattered(radiance), lambert_radiance(ground_albedo_ * arriving)};
 }

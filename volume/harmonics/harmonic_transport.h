@@ -36,6 +36,11 @@ class HarmonicTransport {
     return HarmonicBasis(resolution.degree, resolution.is_even);
   }
 
+  /// Bytes that a solution of one channel holds at once, its kernels included; without the sum over
+  /// orders, which keeps a source per step.
+  [[nodiscard]] static std::size_t bytes(const Stack& stack, int channel,
+                                         const HarmonicResolution& resolution);
+
   /// One order from the one before it.
   [[nodiscard]] HarmonicLight follow(const HarmonicSource& source) const;
   /// Order 1 of a beam of unit irradiance from w_i, and what it becomes a source of; uncollided:

@@ -261,5 +261,19 @@ TEST(InterfaceTruth, RoughEndsAreAnsweredWithinTheirBoundsOrSaidToBeNoAnswer) {
   EXPECT_GT(answers, soak ? 20 : 10);
 }
 
+// A closed form below that tells x from y is not solved as if it did not.
+TEST(InterfaceTruth, KnowsGroundsThatDifferAlongXAndY) {
+  const auto ground = [](const std::string& keys) {
+    return with_surface_model(
+        parse_stack("[[layer]]\nmedium = \"henyey_greenstein\"\nalbedo = 0.9\nthickness = 0.5\n"
+                    "[substrate]\nbsdf = \"microfacet\"\nroughness = 0.6\n" +
+                        keys,
+                    "test", "test"));
+  };
+  EXPECT_TRUE(ground("").is_symmetric_about_z());
+  EXPECT_TRUE(ground("roughness_y = 0.6\n").is_symmetric_about_z());
+  EXPECT_FALSE(ground("roughness_y = 0.3\n").is_symmetric_about_z());
+}
+
 }  // namespace
 }  // namespace lamella

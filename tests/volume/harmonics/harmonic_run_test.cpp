@@ -343,6 +343,39 @@ TEST(HarmonicPairs, AreWithinTheirBounds) {
   EXPECT_EQ(found[3].f, Rgb());
 }
 
+// Kernels of three eigenvalues take the fourth power of the degree. What is refused is told: the
+// degree before is the answer, of cells and of values at pairs.
+TEST(HarmonicRun, KeepsWithinItsMemory) {
+  const Direction wi[] = {direction_from_mu_phi(0.7, 0.2)};
+  const std::pair<Direction, Direction> pairs[] = {{wi[0], direction_from_mu_phi(0.5, 1)}};
+  for (const std::string& medium :
+       {leaning(sggx(0.3, "mirror"), 1, 0, 1),
+        std::string("medium = \"sggx\"\nmatrix = [0.5, 0.7, 1, 0.1, 0.05, 0]")}) {
+    const Stack stack = stack_of(layer(medium, 0.9, 0.5));
+    const auto options = [](std::size_t bytes) {
+      return HarmonicOptions{.tolerance = 1e-6,
+                             .max_seconds = kInfinity,
+                             .max_degree = 24,
+                             .max_bytes = bytes,
+                             .integrate_from = 0};
+    };
+    const Plan plan = make_plan(stack);
+    const RunResult all = harmonic_runs(stack, plan, wi, {3, 6}, options(std::size_t{1} << 30))[0];
+    EXPECT_EQ(all.accuracy->limit, DeterministicLimit::modes);
+    EXPECT_GT(all.accuracy->bytes, 1000000U);
+    const RunResult small =
+        harmonic_runs(stack, plan, wi, {3, 6}, options(all.accuracy->bytes - 1))[0];
+    EXPECT_EQ(small.accuracy->limit, DeterministicLimit::memory);
+    EXPECT_LT(small.accuracy->harmonics, all.accuracy->harmonics);
+    EXPECT_LT(small.accuracy->bytes, all.accuracy->bytes);
+    DeterministicAccuracy accuracy;
+    static_cast<void>(harmonic_pairs(stack, pairs, options(all.accuracy->bytes - 1), accuracy));
+    EXPECT_EQ(accuracy.limit, DeterministicLimit::memory);
+    EXPECT_EQ(accuracy.harmonics, small.accuracy->harmonics);
+    EXPECT_EQ(accuracy.bytes, small.accuracy->bytes);
+  }
+}
+
 // Ctrl-C in the middle of a degree leaves what the degree before it gave.
 TEST(HarmonicRun, EndsWithinADegreeOnceItIsStopped) {
   const Stack stack = stack_of(layer(leaning(sggx(0.5, "lambert"), 1, 0, 1), 0.9, 0.5));
