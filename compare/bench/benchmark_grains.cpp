@@ -59,29 +59,19 @@ double nearest_of_all(const std::vector<Direction>& centres, double radius, cons
   return nearest;
 }
 
-/// Walks on lattices against random ones: time x variance.
+/// f in one direction by walks on lattices against random ones: time x variance.
 void measure_lattices(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
                       const ReportRow& report) {
   const Stack stack = load_stack(name);
   const Plan random = make_plan(stack);
   Plan lattices = random;
   lattices.sampling = Sampling::rqmc;
-  const Direction wi = benchmark_incident();
-  const auto compare = [&](const char* task, auto make) {
-    const auto ours = make(lattices, seed), theirs = make(random, seed + 1);
-    BenchmarkRow row = time_variance_row(*ours, *theirs, effort);
-    row.what = std::string(name) + "/" + task + ", lattices";
-    row.baseline = "random numbers";
-    report(std::move(row));
-  };
-  compare("nee1", [&](const Plan& plan, std::uint64_t s) {
-    return std::make_unique<Simulation>(stack, plan, wi, benchmark_points(1), s);
-  });
-  for (const Estimator estimator : {Estimator::next_event, Estimator::analog})
-    compare(estimator == Estimator::analog ? "counted cells" : "nee cells", [&](const Plan& plan,
-                                                                                std::uint64_t s) {
-      return std::make_unique<Simulation>(stack, plan, wi, estimator, CellGrid{8, 16, false}, s);
-    });
+  Simulation ours(stack, lattices, benchmark_incident(), benchmark_points(1), seed);
+  Simulation theirs(stack, random, benchmark_incident(), benchmark_points(1), seed + 1);
+  BenchmarkRow row = time_variance_row(ours, theirs, effort);
+  row.what = std::string(name) + "/nee1, lattices";
+  row.baseline = "random numbers";
+  report(std::move(row));
 }
 
 }  // namespace
@@ -90,8 +80,7 @@ void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report) {
   if (!GrainScene::is_available()) return;
   tbb::task_arena one(1);
-  for (const char* name : {"sphere_bed_dilute", "sphere_bed_dense"})
-    one.execute([&] { measure_lattices(name, effort, seed, report); });
+  one.execute([&] { measure_lattices("sphere_bed_dilute", effort, seed, report); });
   const Stack stack = load_stack("sphere_bed_dilute");
   const GrainGeometry g = *stack.grains();
   {
