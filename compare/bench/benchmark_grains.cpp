@@ -1,9 +1,12 @@
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include "compare/bench/benchmark.h"
+#include "compare/bench/walk_trial.h"
 #include "compare/request/stopwatch.h"
 #include "phase/math/sampling.h"
 #include "phase/stack/builtin_stacks.h"
@@ -56,11 +59,28 @@ double nearest_of_all(const std::vector<Direction>& centres, double radius, cons
   return nearest;
 }
 
+/// f in one direction by walks on lattices against random ones: time x variance.
+void measure_lattices(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
+                      const ReportRow& report) {
+  const Stack stack = load_stack(name);
+  const Plan random = make_plan(stack);
+  Plan lattices = random;
+  lattices.sampling = Sampling::rqmc;
+  Simulation ours(stack, lattices, benchmark_incident(), benchmark_points(1), seed);
+  Simulation theirs(stack, random, benchmark_incident(), benchmark_points(1), seed + 1);
+  BenchmarkRow row = time_variance_row(ours, theirs, effort);
+  row.what = std::string(name) + "/nee1, lattices";
+  row.baseline = "random numbers";
+  report(std::move(row));
+}
+
 }  // namespace
 
 void measure_grain_tracing(const BenchmarkEffort& effort, std::uint64_t seed,
                            const ReportRow& report) {
   if (!GrainScene::is_available()) return;
+  tbb::task_arena one(1);
+  one.execute([&] { measure_lattices("sphere_bed_dilute", effort, seed, report); });
   const Stack stack = load_stack("sphere_bed_dilute");
   const GrainGeometry g = *stack.grains();
   {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "compare/bench/benchmark.h"
+#include "compare/bench/walk_trial.h"
 #include "compare/request/stopwatch.h"
 #include "phase/stack/builtin_stacks.h"
 #include "phase/stack/stack_file.h"
@@ -143,23 +144,6 @@ Estimate at_point(const Simulation& simulation) {
   });
 }
 
-double variance_per_walk(Estimate e, std::uint64_t walks) {
-  return e.standard_error * e.standard_error * static_cast<double>(walks);
-}
-
-// The number of walks, a multiple of the batches, that takes about `seconds`.
-std::uint64_t walks_for(double seconds, Simulation& simulation) {
-  std::uint64_t walks = 4 * kBatches;
-  for (;;) {
-    const double taken = seconds_of([&] { simulation.advance(simulation.walks() + walks); });
-    if (taken > seconds / 4)
-      return kBatches *
-             std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(walks) *
-                                                                   seconds / taken / kBatches));
-    walks *= 4;
-  }
-}
-
 void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uint64_t seed,
                   const ReportRow& report) {
   const Stack stack = stack_of(which);
@@ -222,21 +206,6 @@ void measure_grid(const GridCase& which, const BenchmarkEffort& effort, std::uin
   report(std::move(row));
 }
 
-// Variance per walk of f summed over orders, and over targets.
-double variance_of_targets(const Simulation& simulation) {
-  const std::size_t count = simulation.batches()[0].f.size() / kTallyOrders;
-  double sum = 0;
-  for (std::size_t j = 0; j < count; ++j) {
-    const Estimate e = batch_estimate(simulation.batches(), [&](const BatchTally& b) {
-      double f = 0;
-      for (int o = 0; o < kTallyOrders; ++o) f += b.f[o * count + j];
-      return f;
-    });
-    sum += variance_per_walk(e, simulation.walks());
-  }
-  return sum;
-}
-
 // The part of the mean square of a shadow ray's transmittance that its own chance is, over places
 // and directions: what an exact transmittance would save.
 void measure_ray_variance(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
@@ -275,49 +244,69 @@ void measure_ray_variance(const char* name, const BenchmarkEffort& effort, std::
   report(std::move(row));
 }
 
-// Next-event estimation with shadow rays on lanes against the same in double, and against counted
-// walks: time x variance of all orders.
-void measure_shadow_rays(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
-                         const ReportRow& report) {
-  const Stack stack = load_stack(name);
-  const Plan scalar = make_plan(stack);
-  Plan lanes = scalar;
-  lanes.isa = effort.isa == Isa::scalar ? isa_from_text("auto") : effort.isa;
-  const CellGrid grid{16, 32, false};
-  const Direction wi = benchmark_incident();
-  const auto cells = [&](const Plan& plan, Estimator estimator, std::uint64_t s) {
-    return std::make_unique<Simulation>(stack, plan, wi, estimator, grid, s);
-  };
-  const auto points = [&](const Plan& plan, int count, std::uint64_t s) {
-    return std::make_unique<Simulation>(stack, plan, wi, benchmark_points(count), s);
-  };
-  const auto compare = [&](const std::string& task, const char* baseline, auto ours, auto theirs,
-                           std::uint64_t their_share) {
-    const std::uint64_t walks = walks_for(effort.repetition_seconds, *ours);
-    const std::uint64_t before = ours->collisions();
-    const InterleavedTimes times = interleave(
-        effort.repetitions, [&] { ours->advance(ours->walks() + walks); },
-        [&] { theirs->advance(theirs->walks() + walks * their_share); });
-    const double variance_ratio = variance_of_targets(*theirs) / variance_of_targets(*ours);
-    BenchmarkRow row{.what = std::string("grid_") + name + "/" + task, .kind = "walk"};
-    row.seconds = times.total_first();
-    row.collisions_per_second_per_core =
-        static_cast<double>(ours->collisions() - before) / times.total_first();
+// A stack with a grid, its walks to be measured.
+class GridTrial {
+ public:
+  GridTrial(const char* name, const BenchmarkEffort& effort, std::uint64_t seed,
+            const ReportRow& report)
+      : name_(name), effort_(effort), seed_(seed), report_(report), stack_(load_stack(name)) {
+    scalar_ = make_plan(stack_);
+    lanes_ = scalar_;
+    lanes_.isa = effort.isa == Isa::scalar ? isa_from_text("auto") : effort.isa;
+    lattices_ = lanes_;
+    lattices_.sampling = Sampling::rqmc;
+  }
+
+  // Next-event estimation with shadow rays on lanes against the same in double, and against counted
+  // walks: time x variance of all orders.
+  void measure_shadow_rays() const {
+    for (const int count : {1, 16})
+      compare("nee" + std::to_string(count) + ", lanes", "shadow rays in double",
+              points(lanes_, count, 0), points(scalar_, count, 1));
+    compare("nee cells, lanes", "shadow rays in double", cells(lanes_, Estimator::next_event, 0),
+            cells(scalar_, Estimator::next_event, 1));
+    compare("nee cells, lanes, against counted", "walks counted in cells",
+            cells(lanes_, Estimator::next_event, 0), cells(scalar_, Estimator::analog, 1), 8);
+  }
+
+  // Walks on lattices against random ones.
+  void measure_lattices() const {
+    for (const int count : {1, 16})
+      compare("nee" + std::to_string(count) + ", lattices", "random numbers",
+              points(lattices_, count, 0), points(lanes_, count, 1));
+    compare("nee cells, lattices", "random numbers", cells(lattices_, Estimator::next_event, 0),
+            cells(lanes_, Estimator::next_event, 1));
+    compare("counted cells, lattices", "random numbers", cells(lattices_, Estimator::analog, 0),
+            cells(lanes_, Estimator::analog, 1));
+  }
+
+ private:
+  using Walks = std::unique_ptr<Simulation>;
+
+  [[nodiscard]] Walks cells(const Plan& plan, Estimator estimator, int other) const {
+    return std::make_unique<Simulation>(stack_, plan, benchmark_incident(), estimator,
+                                        CellGrid{16, 32, false}, seed_ + other);
+  }
+  [[nodiscard]] Walks points(const Plan& plan, int count, int other) const {
+    return std::make_unique<Simulation>(stack_, plan, benchmark_incident(), benchmark_points(count),
+                                        seed_ + other);
+  }
+  void compare(const std::string& task, const char* baseline, Walks ours, Walks theirs,
+               std::uint64_t their_share = 1) const {
+    BenchmarkRow row = time_variance_row(*ours, *theirs, effort_, their_share);
+    row.what = std::string("grid_") + name_ + "/" + task;
     row.baseline = baseline;
-    row.ratio_to_baseline =
-        times.median_ratio() / static_cast<double>(their_share) * variance_ratio;
-    row.extra = {
-        {"walks", ours->walks()}, {"isa", to_text(lanes.isa)}, {"variance_ratio", variance_ratio}};
-    report(std::move(row));
-  };
-  for (const int count : {1, 16})
-    compare("nee" + std::to_string(count) + ", lanes", "shadow rays in double",
-            points(lanes, count, seed), points(scalar, count, seed + 1), 1);
-  compare("nee cells, lanes", "shadow rays in double", cells(lanes, Estimator::next_event, seed),
-          cells(scalar, Estimator::next_event, seed + 1), 1);
-  compare("nee cells, lanes, against counted", "walks counted in cells",
-          cells(lanes, Estimator::next_event, seed), cells(scalar, Estimator::analog, seed + 1), 8);
-}
+    row.extra["isa"] = to_text(lanes_.isa);
+    report_(std::move(row));
+  }
+
+  const char* name_;
+  const BenchmarkEffort& effort_;
+  std::uint64_t seed_;
+  const ReportRow& report_;
+  Stack stack_;
+  Plan scalar_, lanes_, lattices_;
+};
 
 }  // namespace
 
@@ -329,7 +318,9 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
   for (const char* name : {"woven_cloth", "settled_dust", "blotchy_layer"})
     one.execute([&] {
       measure_ray_variance(name, effort, seed, report);
-      measure_shadow_rays(name, effort, seed, report);
+      const GridTrial trial(name, effort, seed, report);
+      trial.measure_shadow_rays();
+      trial.measure_lattices();
     });
 }
 

@@ -221,8 +221,9 @@ void add_walk_limits(CLI::App& command, CommandLine& line, bool counted) {
   if (!counted) return;
   command
       .add_option("--sampling", line.options.sampling,
-                  "Numbers of a walk's first steps, on lanes: points of randomly shifted lattices, "
-                  "which lower the noise, or random (default rqmc)")
+                  "Numbers of a walk's first steps, on lanes, in density grids and among grains: "
+                  "points of randomly shifted lattices, which lower the noise, or random (default "
+                  "rqmc)")
       ->transform(one_of({"rqmc", "random"}))
       ->type_name("rqmc|random");
 }

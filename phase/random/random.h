@@ -18,7 +18,8 @@ enum class StreamPurpose : std::uint32_t {
   geometry = 4,
   measure = 5,
   ways = 6,
-  shadow = 7  // and, in the bits above, which of the walk's shadow rays
+  // 7: the shifts of lattices (lattice.cpp)
+  shadow = 8  // and, in the bits above, which of the walk's shadow rays
 };
 
 /// Counter-based random numbers: (seed, index, purpose, position) -> number, so that a walk has the
@@ -39,13 +40,30 @@ class RandomStream {
   }
 
   /// Uniform in (0, 1), a multiple of 2^-33 that is never 0 and never 1.
-  [[nodiscard, gnu::always_inline]] double uniform() { return (bits() + 0.5) * 0x1p-32; }
+  [[nodiscard, gnu::always_inline]] double uniform() { return uniform_of(bits()); }
+  [[nodiscard, gnu::always_inline]] static double uniform_of(std::uint32_t word) {
+    return (word + 0.5) * 0x1p-32;
+  }
 
-  /// Four uniforms at once, a whole block: words left over from the block before are not used.
+  /// Four uniforms at once, a whole block: words left over from the block before are not used. Four
+  /// words that were put and of which none is used are a whole block.
   [[nodiscard, gnu::always_inline]] std::array<double, 4> four_uniforms() {
-    const auto block = next_block();
+    const auto block = used_ == 0 ? block_ : next_block();
+    if (used_ == 0) used_ = 4;
     return {(block.v[0] + 0.5) * 0x1p-32, (block.v[1] + 0.5) * 0x1p-32,
             (block.v[2] + 0.5) * 0x1p-32, (block.v[3] + 0.5) * 0x1p-32};
+  }
+
+  /// The next four words, in the place of what is left of the block under way.
+  void put(const std::array<std::uint32_t, 4>& words) {
+    for (int k = 0; k < 4; ++k) block_.v[k] = words[k];
+    used_ = 0;
+  }
+  /// The next two words, in the same place.
+  void put(std::uint32_t first, std::uint32_t second) {
+    block_.v[2] = first;
+    block_.v[3] = second;
+    used_ = 2;
   }
 
   /// Exponentially distributed with mean 1, in (0, infinity). The smallest cell of the uniform

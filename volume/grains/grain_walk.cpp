@@ -15,6 +15,9 @@
 namespace lamella {
 namespace {
 
+// Words of a lattice's step: the place in the tile, then the events' numbers.
+constexpr int kEventWord = 1;
+
 Direction turned(Direction w, double cosine, double sine) {
   return {cosine * w.x - sine * w.y, sine * w.x + cosine * w.y, w.z};
 }
@@ -82,7 +85,7 @@ class Walker {
   [[nodiscard]] bool survives(const Weights& kept, RandomStream& stream) {
     return weight_.survives(kept, order_, tally_.energy, stream);
   }
-  void begin_targets(std::uint64_t index);
+  void begin_targets(std::uint64_t index, WalkLattice::Point lattice);
   /// Next-event estimation: sent(wo) is f cos / |mu_o| per channel of what leaves `point` along wo.
   template <class Sent>
   void score(Direction point, const Sent& sent);
@@ -112,10 +115,12 @@ class Walker {
 };
 
 template <int C>
-void Walker<C>::begin_targets(std::uint64_t index) {
+void Walker<C>::begin_targets(std::uint64_t index, WalkLattice::Point lattice) {
   if (scores_ != GrainScores::next_event) return;
   // The same place within every cell, as in the walk through layers.
   RandomStream stream(setting_.seed, index, StreamPurpose::targets);
+  if (lattice.has(0))
+    stream.put(lattice.word(0, kLatticeTargetWord), lattice.word(0, kLatticeTargetWord + 1));
   const double u_mu = stream.uniform(), u_phi = stream.uniform();
   const CellGrid& grid = targets_.grid;
   for (int k = 0; k < targets_.count(); ++k) {
@@ -219,7 +224,10 @@ bool Walker<C>::reflect(const GrainHit& hit, RandomStream& stream) {
 template <int C>
 void Walker<C>::walk(std::uint64_t index) {
   RandomStream stream(setting_.seed, index, StreamPurpose::walk);
-  begin_targets(index);
+  const WalkLattice::Point lattice =
+      setting_.lattice ? setting_.lattice->point(index) : WalkLattice::Point();
+  begin_targets(index, lattice);
+  lattice.put(0, kEventWord, stream);
   EnergySums& energy = tally_.energy;
   weight_ = {};
   order_ = 0;
@@ -246,6 +254,7 @@ void Walker<C>::walk(std::uint64_t index) {
       break;
     }
     ++order_;
+    lattice.put(order_, kEventWord, stream);
     if (hit.end == RayEnd::down) {
       if (!reflect(hit, stream)) break;
     } else {

@@ -7,6 +7,7 @@
 #include "phase/stack/stack.h"
 #include "volume/grains/grain_scene.h"
 #include "volume/walk/scorers.h"
+#include "volume/walk/walk_lattice.h"
 
 namespace lamella {
 
@@ -38,6 +39,8 @@ struct GrainSetting {
   /// Walks that share one realisation of the grains; together they cost about as much time as
   /// building the realisation.
   std::uint64_t walks_per_realisation;
+  /// Of the walks' first numbers; nothing: all of them are random.
+  std::shared_ptr<const WalkLattice> lattice{};
 };
 
 /// Least |mu| of light that is sent among grains: below, a period would be crossed too often.

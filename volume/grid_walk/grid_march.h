@@ -224,6 +224,48 @@ template <class M>
   }
 }
 
+/// The same flight voxel by voxel: where it ends is a continuous function of `remaining` and of the
+/// place, as quasi-Monte Carlo needs it, at the price of the voxels on the way.
+template <class M>
+[[nodiscard]] GridFlight fly_by_voxels(const DensityGrid& grid, double x, double y, double height,
+                                       Direction w, double& remaining) {
+  const bool local = grid.is_local();
+  const double sigma = local ? 0 : std::get_if<M>(&grid.palette()[0])->sigma(w);
+  const VoxelIndex n = grid.extent().voxels;
+  const Direction h = grid.voxel_size();
+  const double start[3] = {wrapped(x / h.x, n[0]), wrapped(y / h.y, n[1]), height / h.z};
+  const double rate[3] = {-w.x / h.x, -w.y / h.y, -w.z / h.z};
+  VoxelIndex i{};
+  int step[3];
+  double next[3], apart[3];  // the way to the next side, and between two of them [mm]
+  for (int a = 0; a < 3; ++a) {
+    i[a] = std::min(std::max(static_cast<int>(start[a]), 0), n[a] - 1);
+    step[a] = rate[a] > 0 ? 1 : -1;
+    apart[a] = rate[a] != 0 ? std::abs(1 / rate[a]) : std::numeric_limits<double>::infinity();
+    next[a] = rate[a] != 0 ? std::max(0.0, (i[a] + (rate[a] > 0) - start[a]) / rate[a]) : apart[a];
+  }
+  double way = 0;
+  for (std::uint64_t count = 0; count < kMostCells; ++count) {
+    const int a = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+    const double rho = grid.density(i);
+    if (rho > 0) {
+      const double extinction =
+          grid.layer_density() * rho * (local ? grid.template sigma<M>(i, w) : sigma);
+      const double depth = extinction * (next[a] - way);
+      if (remaining < depth) return {Flight::collided, way + remaining / extinction, i};
+      remaining = std::max(remaining - depth, 1e-300);
+    }
+    way = next[a];
+    next[a] += apart[a];
+    i[a] += step[a];
+    if (i[a] < 0 || i[a] >= n[a]) {
+      if (a == 2) return {Flight::left, way, {}};
+      i[a] = i[a] < 0 ? n[a] - 1 : 0;
+    }
+  }
+  return {Flight::endless, way, {}};
+}
+
 /// An unbiased estimate of the share of light from w that crosses the grid from a point in it to
 /// its top or bottom, by ratio tracking (Novak et al. 2014, "Residual ratio tracking for estimating
 /// attenuation in participating media"); once the product is small, Russian roulette decides

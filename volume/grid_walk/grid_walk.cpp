@@ -9,6 +9,7 @@
 #include "volume/grid_walk/shadow_rays.h"
 #include "volume/walk/path_weight.h"
 #include "volume/walk/walk.h"
+#include "volume/walk/walk_lattice.h"
 
 namespace lamella {
 
@@ -60,6 +61,13 @@ GridWalkStack::GridWalkStack(const Stack& stack, const Plan& plan)
 }
 
 namespace {
+
+constexpr double kGoldenSection = 0.6180339887498949;
+
+// Words of a lattice's step: the flight, four of the event, the acceptance of a first tentative
+// collision, and the place that next-event estimation aims at (step 0: within the cells; events:
+// the columns). Step 0 begins the walk: its event is the place in the tile.
+constexpr int kFlightWord = 0, kEventWord = 1, kAcceptanceWord = 5;
 
 // Where light is: a layer, the place in the tile, and the depth below the layer's top [mm].
 struct Place {
@@ -129,15 +137,17 @@ template <class Event>
 TurnedEvent(Event, const Frame<double>*) -> TurnedEvent<Event>;
 
 // Scorers of the walk through grids: what an event sends straight out is worth `Transmittance`
-// along the way, which is asked for only where it is scored.
+// along the way, which is asked for only where it is scored. kFirstFlightByVoxels: whether a
+// lattice's first flight goes voxel by voxel (fly_by_voxels), which counted cells gain nothing by.
 template <int C>
 struct GridAnalogScorer {
+  static constexpr bool kFirstFlightByVoxels = false;
   AnalogScorer<C> analog;
 
   void begin_walk(std::uint64_t, std::uint64_t) {}
   template <class Event>
   void event(const Place&, const Event&, const std::array<double, C>&, const GridWalkLayer*,
-             const std::array<double, C>&, std::uint64_t, RandomStream&) {}
+             const std::array<double, C>&, std::uint64_t, WalkLattice::Point, RandomStream&) {}
   void leave(Direction wo, const std::array<double, C>& weight, std::uint64_t order, bool delta) {
     analog.leave(wo, weight, order, delta);
   }
@@ -147,31 +157,37 @@ struct GridAnalogScorer {
 // Keeps what leaves.
 template <int C>
 struct GridDepartures : DepartureScorer {
+  static constexpr bool kFirstFlightByVoxels = false;
   using DepartureScorer::DepartureScorer;
   template <class Event>
   void event(const Place&, const Event&, const std::array<double, C>&, const GridWalkLayer*,
-             const std::array<double, C>&, std::uint64_t, RandomStream&) {}
+             const std::array<double, C>&, std::uint64_t, WalkLattice::Point, RandomStream&) {}
 };
 
 template <int C>
 struct GridNullScorer {
+  static constexpr bool kFirstFlightByVoxels = false;
   void begin_walk(std::uint64_t, std::uint64_t) {}
   template <class Event>
   void event(const Place&, const Event&, const std::array<double, C>&, const GridWalkLayer*,
-             const std::array<double, C>&, std::uint64_t, RandomStream&) {}
+             const std::array<double, C>&, std::uint64_t, WalkLattice::Point, RandomStream&) {}
   void leave(Direction, const std::array<double, C>&, std::uint64_t, bool) {}
   [[nodiscard]] bool finite() const { return true; }
 };
 
 // Next-event estimation. A way out through voxels is dear: on cells, each event sends its light to
-// one column of every row, drawn anew, for all of the row's. Ways through one grid wait until they
+// one column of every row, for all of the row's. One number draws the columns, each of them a
+// golden section of the circle beside that of the row above. Ways through one grid wait until they
 // fill lanes, where there are any.
 template <int C>
 class GridNextEventScorer {
  public:
+  static constexpr bool kFirstFlightByVoxels = true;
+
   GridNextEventScorer(const GridWalkStack& stack, const ShadowTables& tables, std::uint64_t seed,
-                      const CellTargets& cells, BatchTally& tally)
+                      const CellTargets& cells, const WalkLattice* lattice, BatchTally& tally)
       : GridNextEventScorer(stack, tables, seed, tally) {
+    lattice_ = lattice;
     cells_ = &cells;
     columns_.resize(cells.grid.columns());
     rows_.resize(cells.grid.rows());
@@ -186,6 +202,10 @@ class GridNextEventScorer {
     if (queue_) queue_->begin_walk(index);
     if (!cells_) return;
     RandomStream stream(seed, index, StreamPurpose::targets);
+    if (lattice_) {
+      const WalkLattice::Point point = lattice_->point(index);
+      stream.put(point.word(0, kLatticeTargetWord), point.word(0, kLatticeTargetWord + 1));
+    }
     const double u_mu = stream.uniform(), u_phi = stream.uniform();
     const CellGrid& grid = cells_->grid;
     for (std::size_t k = 0; k < columns_.size(); ++k) {
@@ -203,7 +223,7 @@ class GridNextEventScorer {
   template <class Event>
   void event(const Place& at, const Event& event, const std::array<double, C>& weight,
              const GridWalkLayer* layer, const std::array<double, C>& albedo, std::uint64_t order,
-             RandomStream& stream) {
+             WalkLattice::Point lattice, RandomStream& stream) {
     const auto& lobe = lobe_of(event);
     const auto score = [&](int target, int count, Direction wo, double factor) {
       const PhaseValue p = lobe.density(wo);
@@ -230,10 +250,15 @@ class GridNextEventScorer {
     }
     const CellGrid& grid = cells_->grid;
     const int columns = grid.columns(), count = cells_->count();
+    double u = lattice.has(order)
+                   ? RandomStream::uniform_of(lattice.word(order, kLatticeTargetWord))
+                   : stream.uniform();
     for (const bool up : {true, false}) {
       if (!up && (!cells_->both_sides || !layer)) break;
       for (int row = 0; row < grid.rows(); ++row) {
-        const int column = std::min(static_cast<int>(stream.uniform() * columns), columns - 1);
+        const int column = std::min(static_cast<int>(u * columns), columns - 1);
+        u += kGoldenSection;
+        if (u >= 1) u -= 1;
         const auto [mu, s] = rows_[row];
         const Direction wo{s * columns_[column].x, s * columns_[column].y, up ? mu : -mu};
         score(row * columns + column + (up ? 0 : grid.cells()), count, wo, columns);
@@ -288,6 +313,7 @@ class GridNextEventScorer {
   const GridWalkStack& stack_;
   const CellTargets* cells_ = nullptr;
   const std::vector<Direction>* points_ = nullptr;
+  const WalkLattice* lattice_ = nullptr;
   BatchTally& tally_;
   std::unique_ptr<ShadowQueue<C>> queue_;
   // Of the walk's directions: cosine and sine of phi by column, of theta by row.
@@ -299,11 +325,14 @@ class GridNextEventScorer {
   bool finite_ = true;
 };
 
-// `walk` with a place in the tile: the same ledger, the same chance of survival.
+// `walk` with a place in the tile: the same ledger, the same chance of survival. The numbers of the
+// first steps are the point's, where it has any.
 template <int C, class Scorer>
 void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t seed,
-                   std::uint64_t index, Scorer& scorer, BatchTally& tally) {
+                   std::uint64_t index, WalkLattice::Point lattice, Scorer& scorer,
+                   BatchTally& tally) {
   RandomStream stream(seed, index, StreamPurpose::walk);
+  lattice.put(0, kEventWord, stream);
   EnergySums& energy = tally.energy;
   const int last = static_cast<int>(stack.layers.size()) - 1;
   Direction wi = incident;  // points back to where the light comes from
@@ -315,6 +344,8 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
   bool only_delta = true, last_delta = false;
 
   for (;;) {
+    if (lattice.has(order))
+      stream.put(lattice.word(order, kFlightWord), lattice.word(order, kAcceptanceWord));
     double remaining = stream.exponential();
     const bool down = wi.z > 0;
     bool endless = false;
@@ -325,6 +356,8 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       if (l.grid) {
         flight = std::visit(
             [&]<class M>(const M&) {
+              if (Scorer::kFirstFlightByVoxels && order == 0 && lattice.has(0))
+                return fly_by_voxels<M>(*l.grid, at.x, at.y, l.thickness - at.z, wi, remaining);
               return fly<M>(*l.grid, at.x, at.y, l.thickness - at.z, wi, remaining, stream);
             },
             l.grid->palette()[0]);
@@ -376,9 +409,11 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
       for (int c = 0; c < C; ++c) kept[c] = stack.substrate_albedo[c];
       at.layer = last;
       at.z = stack.layers[last].thickness;
-      scorer.event(at, kLambertSubstrate, weight.value, nullptr, kept, order, stream);
+      lattice.put(order, kEventWord, stream);
+      const Direction wo = kLambertSubstrate.sample(stream).wo;
+      scorer.event(at, kLambertSubstrate, weight.value, nullptr, kept, order, lattice, stream);
       if (!weight.survives(kept, order, energy, stream)) break;
-      wi = -kLambertSubstrate.sample(stream).wo;
+      wi = -wo;
       continue;
     }
 
@@ -399,14 +434,15 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
     }
     const bool alive = std::visit(
         [&](const auto& m) {
+          lattice.put(order, kEventWord, stream);
           const TurnedEvent event{m.collide(turned ? frame.to_local(wi) : wi, stream),
                                   turned ? &frame : nullptr};
+          const Scatter scatter = event.sample(stream);
           last_delta = m.is_delta();
           if (!last_delta) {
             only_delta = false;
-            scorer.event(at, event, weight.value, &l, albedo, order, stream);
+            scorer.event(at, event, weight.value, &l, albedo, order, lattice, stream);
           }
-          const Scatter scatter = event.sample(stream);
           const auto kept = kept_shares<C>(albedo, l, scatter.schlick);
           if (!weight.survives(kept, order, energy, stream)) return false;
           wi = -scatter.wo;
@@ -424,26 +460,29 @@ void walk_in_grids(const GridWalkStack& stack, Direction incident, std::uint64_t
 template <int C>
 RunBatch runner_of(const std::shared_ptr<const GridWalkStack>& stack, Direction incident,
                    std::uint64_t seed, Estimator estimator, const CellTargets& targets,
-                   const std::vector<Direction>* points, Isa isa,
+                   const std::vector<Direction>* points, const Plan& plan,
                    std::vector<BatchTally>& batches) {
+  const auto lattice =
+      plan.sampling == Sampling::rqmc ? std::make_shared<const WalkLattice>(seed) : nullptr;
   const auto with = [&](const auto& make_scorer) {
-    return batches_of_walks(seed, batches, make_scorer,
-                            [=](std::uint64_t index, auto& scorer, BatchTally& tally) {
-                              walk_in_grids<C>(*stack, incident, seed, index, scorer, tally);
-                            });
+    return batches_of_walks(
+        seed, batches, make_scorer, [=](std::uint64_t index, auto& scorer, BatchTally& tally) {
+          walk_in_grids<C>(*stack, incident, seed, index,
+                           lattice ? lattice->point(index) : WalkLattice::Point(), scorer, tally);
+        });
   };
   if (points && points->empty()) return with([](int) { return GridNullScorer<C>(); });
   if (!points && estimator == Estimator::analog)
     return with([&targets, &batches](int batch) {
       return GridAnalogScorer<C>{AnalogScorer<C>(targets, batches[batch])};
     });
-  const auto tables = std::make_shared<const ShadowTables>(isa, stack->owned);
+  const auto tables = std::make_shared<const ShadowTables>(plan.isa, stack->owned);
   if (points)
     return with([=, &batches](int batch) {
       return GridNextEventScorer<C>(*stack, *tables, seed, *points, batches[batch]);
     });
   return with([=, &targets, &batches](int batch) {
-    return GridNextEventScorer<C>(*stack, *tables, seed, targets, batches[batch]);
+    return GridNextEventScorer<C>(*stack, *tables, seed, targets, lattice.get(), batches[batch]);
   });
 }
 
@@ -462,7 +501,7 @@ FollowWalk grid_follower(const Stack& stack, const Plan& plan, std::uint64_t see
     return [walked, seed](Direction wi, std::uint64_t index, WalkSamples& to) {
       GridDepartures<C> scorer(wi, to);
       BatchTally spare;
-      walk_in_grids<C>(*walked, wi, seed, index, scorer, spare);
+      walk_in_grids<C>(*walked, wi, seed, index, {}, scorer, spare);
     };
   };
   return plan.channels == 1 ? with(std::integral_constant<int, 1>())
@@ -477,8 +516,8 @@ RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident, s
     for (const Direction& wo : *points) check_beside_grids("w_o", wo);
   const auto walked = std::make_shared<const GridWalkStack>(stack, plan);
   return plan.channels == 1
-             ? runner_of<1>(walked, incident, seed, estimator, targets, points, plan.isa, batches)
-             : runner_of<3>(walked, incident, seed, estimator, targets, points, plan.isa, batches);
+             ? runner_of<1>(walked, incident, seed, estimator, targets, points, plan, batches)
+             : runner_of<3>(walked, incident, seed, estimator, targets, points, plan, batches);
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): std::function owns the runner
 
 }  // namespace lamella

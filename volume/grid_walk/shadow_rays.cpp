@@ -12,7 +12,7 @@ namespace {
 // Widens majorants by more than the rounding of float.
 constexpr double kMargin = 1 + 4e-6;
 // Bits of a counter that name the stream's purpose; a ray's place among its walk's has the others.
-constexpr int kPurposeBits = 3;
+constexpr int kPurposeBits = 4;
 
 }  // namespace
 

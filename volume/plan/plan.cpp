@@ -26,6 +26,7 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
             .rough_boundaries = stack.has_rough_interfaces(),
             .transmits = stack.is_open_below(),
             .max_order = limits.max_order.value_or(kMaxOrder),
+            .sampling = limits.sampling,
             .layers = {},
             .grids = {},
             .warnings = {}};
@@ -37,7 +38,6 @@ Plan bare_plan(const Stack& stack, const WalkLimits& limits) {
   plan.order_one = limits.order_one;
   plan.thinning = limits.thinning.value_or(thinning_for(stack, plan.layers, plan.max_order));
   if (!limits.max_order && plan.thinning.is_on()) plan.max_order = kThinnedMaxOrder;
-  plan.sampling = limits.sampling;
   return plan;
 }
 

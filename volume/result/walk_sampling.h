@@ -6,7 +6,8 @@
 
 namespace lamella {
 
-/// Where walks on lanes take the numbers of their first steps from.
+/// Where walks on lanes, through density grids and among grains take the numbers of their first
+/// steps from.
 enum class Sampling {
   random,  ///< pseudo-random numbers
   rqmc     ///< randomised quasi-Monte Carlo: phase/random/lattice.h

@@ -289,7 +289,8 @@ std::vector<PlanNote> explain(const Stack& stack, const Plan& plan) {
   explain_lanes(stack, plan, notes);
   if (plan.sampling == Sampling::rqmc)
     notes.push_back({"sampling",
-                     "randomised quasi-Monte Carlo for the first steps of walks on lanes",
+                     "randomised quasi-Monte Carlo for the first steps of walks on lanes, in grids "
+                     "and among grains",
                      "a batch's walks fill the space of their numbers evenly (--sampling random)"});
   return notes;
 }

@@ -133,6 +133,8 @@ RunBatch Simulation::runner(Estimator estimator, bool points) {
 
 RunBatch Simulation::grain_runner(GrainScores scores) {
   grains_.emplace(stack_, incident_, seed_, plan_.max_order);
+  if (plan_.sampling == Sampling::rqmc)
+    grains_->lattice = std::make_shared<const WalkLattice>(seed_);
   if (scores == GrainScores::points && grains_->geometry.surface != GrainSurface::lambert)
     throw std::invalid_argument(
         "f at points of grains that mirror; allowed: Lambertian grains, or lobes on cells (lamella "

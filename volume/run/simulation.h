@@ -68,7 +68,10 @@ class Simulation {
   /// The instruction set of the walks: the plan's, or scalar where that set has no kernel for them.
   [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
   /// Where the numbers of the walks' first steps come from.
-  [[nodiscard]] Sampling sampling() const { return lanes_ ? plan_.sampling : Sampling::random; }
+  [[nodiscard]] Sampling sampling() const {
+    const bool has_lattices = lanes_ || plan_.has_grids() || grains_;
+    return has_lattices ? plan_.sampling : Sampling::random;
+  }
   /// Nothing for scalar walks.
   [[nodiscard]] std::optional<LaneUse> lane_use() const;
 

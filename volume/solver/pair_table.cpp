@@ -12,13 +12,28 @@
 namespace lamella {
 namespace {
 
+// Chebyshev points of a panel. Light is an analytic function of the elevation but at grazing, where
+// it varies like mu log mu. On a panel [a, 2 a] that point lies at -3 of [-1, 1], so that n points
+// leave at most some (3 + sqrt(8))^-n of the variation: 8e-7 with eight; of mu log mu itself they
+// leave 2e-8 to 2e-7.
 constexpr int kPoints = 8;
-// Fewer pairs are solved one by one. Most refinements of a table.
+// Fewer pairs are solved one by one. A pair takes 0.24 ms to 1e-4 and 0.65 ms to 1e-6, a first
+// table as long as 140 and 290 of them (lamella bench --only solver --quick, Lambert spheres); a
+// table that is refined three times has 22 times as many entries, as long as 3000 to 6000 pairs.
 constexpr std::size_t kFewestPairs = 4096;
+// Most refinements of a table: on half a panel eight points leave 3e-9 of what mu log mu varies, so
+// that the second and third refinement are for the lowest panel and for thin slabs, and a fourth
+// one would leave less than the solution's own bounds of 1e-9.
 constexpr int kRefinements = 3;
-// Of the first table: how often panels are halved towards grazing. Each finer table has
-// kMoreHalvings more, and twice the parts of the panels above elevations of 90 / 2^3 degrees.
+// Of the first table: how often panels are halved towards grazing. The lowest panel ends at an
+// elevation of 6e-3, in which mu log mu varies by 0.03; with the cube of the parameter its
+// polynomials leave 7e-7 (9e-5 without). Each finer table has kMoreHalvings more (a lowest panel 16
+// times narrower), and twice the parts of the panels above elevations of 90 / 2^3 degrees, which
+// hold four fifths of the cosines.
 constexpr int kHalvings = 8, kMoreHalvings = 4, kWidePanels = 3;
+// What is left in a panel is like the polynomial T_8, which is below a quarter of its largest value
+// on (2 / pi) asin(1 / 4), 16 %, of the parameter. All of the two or three tested cosines of a
+// panel are there with a chance of 0.4 to 3 %.
 constexpr double kSafety = 4;
 
 // Chebyshev's points of [0, 1] and their barycentric weights.

@@ -26,10 +26,12 @@ struct CosinePair {
 /// among them, relative to DeterministicField::scale.
 class PairTable {
  public:
-  /// Cosines of each side at which a table is held against the field.
+  /// Cosines of each side at which a table is held against the field: two or three for each of the
+  /// nine panels of the first table, at the price of less than 576 pairs that share their cosines.
   static constexpr int kTests = 24;
 
-  /// The coarsest table whose deviation is within the solution's error. Nothing where there is
+  /// The coarsest table whose deviation is within the solution's error, so that no pair's bound is
+  /// more than doubled by it. Nothing where there is
   /// none, where so few pairs are cheaper one by one, and of steep media, whose order 2 each pair
   /// may integrate for itself.
   [[nodiscard]] static std::optional<PairTable> make(const DeterministicSolution& solution,

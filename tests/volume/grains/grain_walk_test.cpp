@@ -23,8 +23,9 @@ Stack micrograins(const std::string& keys, const std::string& below = "") {
                     below);
 }
 
-RunResult simulate(const Stack& stack, Direction wi, Estimator estimator, std::uint64_t walks) {
-  Simulation simulation(stack, make_plan(stack), wi, estimator, kGrid, 3);
+RunResult simulate(const Stack& stack, Direction wi, Estimator estimator, std::uint64_t walks,
+                   Sampling sampling = Sampling::random) {
+  Simulation simulation(stack, make_plan(stack, {.sampling = sampling}), wi, estimator, kGrid, 3);
   simulation.advance(walks);
   return reduce(simulation);
 }
@@ -67,19 +68,22 @@ TEST(GrainWalk, WhiteGrainsLoseNothingAndEveryLedgerSumsToOne) {
     }
 }
 
-TEST(GrainWalk, AnalogAndNextEventAgreeOrderByOrder) {
+TEST(GrainWalk, AnalogAndNextEventAgreeOrderByOrderWithAndWithoutLattices) {
   for (const Stack& stack :
        {bed(0.5, "albedo = 0.8\n", "[substrate]\nalbedo = 0.6\n"),
         micrograins("albedo = 0.8\nsurface = 'dielectric'\n", "[substrate]\nalbedo = 0.3\n")}) {
     const Direction wi = direction_from_degrees(50, 20);
     const RunResult analog = simulate(stack, wi, Estimator::analog, 65536);
-    const RunResult next_event = simulate(stack, wi, Estimator::next_event, 8192);
-    for (int o = 0; o <= kTallyOrders; ++o) {
-      const LobeEstimate &a = analog.reflected.lobes[o], &b = next_event.reflected.lobes[o];
-      for (std::size_t k = 0; k < a.value.size(); ++k)
-        EXPECT_LT(std::abs(a.value[k] - b.value[k]),
-                  allowed_z() * std::hypot(a.standard_error[k], b.standard_error[k]))
-            << to_toml(stack) << o << " " << k;
+    for (const Sampling sampling : {Sampling::random, Sampling::rqmc}) {
+      const RunResult next_event = simulate(stack, wi, Estimator::next_event, 8192, sampling);
+      EXPECT_EQ(next_event.sampling, sampling);
+      for (int o = 0; o <= kTallyOrders; ++o) {
+        const LobeEstimate &a = analog.reflected.lobes[o], &b = next_event.reflected.lobes[o];
+        for (std::size_t k = 0; k < a.value.size(); ++k)
+          EXPECT_LT(std::abs(a.value[k] - b.value[k]),
+                    allowed_z() * std::hypot(a.standard_error[k], b.standard_error[k]))
+              << to_toml(stack) << to_text(sampling) << o << " " << k;
+      }
     }
   }
 }
@@ -223,13 +227,14 @@ TEST(GrainWalk, AModelWithoutItsLawIsADefect) {
   EXPECT_THROW(simulate(stack, {0, 0, 1}, Estimator::analog, 128), std::logic_error);
 }
 
-std::vector<double> sums_with_threads(int threads, const std::vector<std::uint64_t>& checkpoints) {
+std::vector<double> sums_with_threads(int threads, const std::vector<std::uint64_t>& checkpoints,
+                                      Sampling sampling) {
   const Stack stack = bed(0.5, "albedo = 0.8\n");
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
   tbb::task_arena arena(threads);
   return arena.execute([&] {
-    Simulation simulation(stack, make_plan(stack), direction_from_degrees(60, 30),
-                          Estimator::analog, kGrid, 7);
+    Simulation simulation(stack, make_plan(stack, {.sampling = sampling}),
+                          direction_from_degrees(60, 30), Estimator::analog, kGrid, 7);
     for (const std::uint64_t walks : checkpoints) simulation.advance(walks);
     std::vector<double> sums;
     for (const BatchTally& b : simulation.batches()) {
@@ -241,9 +246,11 @@ std::vector<double> sums_with_threads(int threads, const std::vector<std::uint64
 }
 
 TEST(GrainWalk, IsBitIdenticalForAnyNumberOfThreadsAndAnyCheckpoints) {
-  const auto one = sums_with_threads(1, {20000});
-  EXPECT_EQ(one, sums_with_threads(3, {20000}));
-  EXPECT_EQ(one, sums_with_threads(2, {1, 130, 9000, 20000}));
+  for (const Sampling sampling : {Sampling::random, Sampling::rqmc}) {
+    const auto one = sums_with_threads(1, {20000}, sampling);
+    EXPECT_EQ(one, sums_with_threads(3, {20000}, sampling));
+    EXPECT_EQ(one, sums_with_threads(2, {1, 130, 9000, 20000}, sampling));
+  }
 }
 
 TEST(GrainWalk, RefusesWhatItCannotDo) {

@@ -7,6 +7,7 @@
 #include "phase/random/random.h"
 #include "phase/stack/builtin_stacks.h"
 #include "tests/volume/voxels/grids.h"
+#include "volume/grid_walk/grid_march.h"
 
 namespace lamella {
 namespace {
@@ -140,6 +141,51 @@ TEST(ShadowRays, TheirMeanIsTheTransmittanceAlongTheRay) {
         EXPECT_NEAR(mean, exact, allowed_z() * error + 1e-3 * exact)
             << c.name << ' ' << to_text(isa) << ' ' << k;
       }
+    }
+  }
+}
+
+// Against the midpoints of `marched`, within their error; and half of the optical depth leads to a
+// place from which the other half leads out, but for rounding.
+TEST(FlightByVoxels, SpendsTheOpticalDepthOfItsWay) {
+  constexpr double kLarge = 100;
+  RandomStream stream(8, 0, StreamPurpose::test);
+  for (const GridCase& c : cases()) {
+    const Stack stack = stack_of(c);
+    const Plan plan = plan_of(c, stack);
+    const DensityGrid& grid = *plan.grids[0];
+    const double size = grid.voxel_size().x * c.voxels[0];
+    const auto fly = [&](const ShadowRay& ray, double& remaining) {
+      return std::visit(
+          [&]<class M>(const M&) {
+            return fly_by_voxels<M>(grid, ray.x, ray.y, ray.height, ray.w, remaining);
+          },
+          grid.palette()[0]);
+    };
+    for (int k = 0; k < 12; ++k) {
+      Direction w = direction_from_degrees(180 * stream.uniform(), 360 * stream.uniform());
+      if (k == 0) w = {0, 0, -1};
+      if (k == 1) w = {0.8, 0, 0.6};
+      const ShadowRay ray{size * (3 * stream.uniform() - 1), size * stream.uniform(),
+                          0.7 * stream.uniform(), w};
+      double left = kLarge;
+      const GridFlight through = fly(ray, left);
+      const double exact = marched(grid, ray), depth = kLarge - left;
+      if (exact < 1e-3) continue;  // the error of `marched` is that of an optical depth of 5
+      EXPECT_EQ(through.end, Flight::left) << c.name << ' ' << k;
+      EXPECT_NEAR(std::exp(-depth), exact, 1e-3 * exact) << c.name << ' ' << k;
+      if (depth < 1e-3) continue;
+      double half = depth / 2;
+      const GridFlight first = fly(ray, half);
+      ASSERT_EQ(first.end, Flight::collided) << c.name << ' ' << k;
+      EXPECT_GT(grid.density(first.voxel), 0);
+      ShadowRay rest = ray;
+      rest.x -= w.x * first.length;
+      rest.y -= w.y * first.length;
+      rest.height -= w.z * first.length;
+      double after = kLarge;
+      EXPECT_EQ(fly(rest, after).end, Flight::left);
+      EXPECT_NEAR(kLarge - after, depth / 2, 1e-9 * kLarge) << c.name << ' ' << k;
     }
   }
 }

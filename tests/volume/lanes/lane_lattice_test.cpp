@@ -195,7 +195,7 @@ INSTANTIATE_TEST_SUITE_P(EveryIsa, LaneLattice, ::testing::ValuesIn(lane_isas())
                          [](const auto& isa) { return to_text(isa.param); });
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LaneLattice);
 
-TEST(Sampling, IsByLatticesOnLanesAlone) {
+TEST(Sampling, OfLayersIsByLatticesOnLanesAlone) {
   const Stack coated = load_stack("coated_lambert_sphere");
   const Plan plan = make_plan(coated, {.sampling = Sampling::rqmc});
   EXPECT_EQ(plan.sampling, Sampling::rqmc);
