@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <optional>
 
@@ -31,6 +32,46 @@ std::array<double, 6> two_eigenvalues(double along, double across, Direction n) 
   const double d = along - across;
   return {across + d * n.x * n.x, across + d * n.y * n.y, across + d * n.z * n.z,
           d * n.x * n.y,          d * n.x * n.z,          d * n.y * n.z};
+}
+
+// The least over the largest eigenvalue of a symmetric matrix with entries as those of S, by the
+// cubic's trigonometric solution.
+double eigenvalue_ratio(const std::array<double, 6>& s) {
+  const auto [xx, yy, zz, xy, xz, yz] = s;
+  const double mean = (xx + yy + zz) / 3;
+  const double a = xx - mean, b = yy - mean, c = zz - mean;
+  const double spread = std::sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6);
+  if (!(spread > 1e-8 * mean)) return 1;
+  const double determinant =
+      a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz);
+  const double angle =
+      std::acos(std::clamp(determinant / (2 * spread * spread * spread), -1.0, 1.0)) / 3;
+  const double most = mean + 2 * spread * std::cos(angle),
+               least = mean + 2 * spread * std::cos(angle + 2 * kPi / 3);
+  return std::clamp(least / most, 0.0, 1.0);
+}
+
+// Panels of kPanelNodes Gauss nodes that an integral over half a circle needs whose integrand is
+// analytic within `strip` of the real angles: a panel of half-length h has an error of rho^(-2
+// nodes), rho = b + sqrt(1 + b^2), b = strip / h, which b = 0.7 makes 1e-9.
+constexpr int kPanelNodes = 16, kMostPanels = 24;
+int panels_for(double strip) {
+  return static_cast<int>(std::ceil(std::min(kPi / 2 * 0.7 / strip, 1e6)));
+}
+
+// The nodes of panels of equal size over [from, to]: f(angle, weight) for each.
+template <class F>
+void at_nodes(double from, double to, int panels, const F& f) {
+  using Rule = boost::math::quadrature::gauss<double, kPanelNodes>;
+  const double half = (to - from) / (2 * panels);
+  for (int k = 0; k < panels; ++k) {
+    const double middle = from + (2 * k + 1) * half;
+    for (int j = 0; j < kPanelNodes / 2; ++j) {
+      const double step = half * Rule::abscissa()[j], weight = half * Rule::weights()[j];
+      f(middle - step, weight);
+      f(middle + step, weight);
+    }
+  }
 }
 
 }  // namespace
@@ -135,22 +176,53 @@ double Sggx::diffuse_phase_over_lune(Direction wi, Direction wo) const {
   const Direction side = cross(pole, i);
 
   const Direction ai = a_.apply(i), as = a_.apply(side), ap = a_.apply(pole);
-  const double pp = dot(ap, ap);
-  const auto over_psi = [&](double t) {
-    const double r = std::sqrt((1 - t) * (1 + t));
-    const auto integrand = [&](double psi) {
-      const double c = std::cos(psi), s = std::sin(psi);
-      const Direction in_plane = c * ai + s * as;
-      const double norm2 =
-          r * r * dot(in_plane, in_plane) + 2 * r * t * dot(in_plane, ap) + t * t * pp;
-      return r * r * c * std::cos(psi - gap) / std::sqrt(norm2);
+  const double ii = dot(ai, ai), ss = dot(as, as), is = dot(ai, as), ip = dot(ai, ap),
+               sp = dot(as, ap), pp = dot(ap, ap);
+  // u = (cos(theta) cos(psi), cos(theta) sin(psi), sin(theta)); along an arc of one psi, |A u|^2 is
+  // a form of cos(theta) and sin(theta).
+  const auto arc = [&](double psi) {
+    const double c = std::cos(psi), s = std::sin(psi);
+    return std::array{c * c * ii + 2 * c * s * is + s * s * ss, 2 * (c * ip + s * sp),
+                      c * std::cos(psi - gap)};
+  };
+  // |A u|^2 = 0 has no solution within this strip of the real angles.
+  const double ratio = std::sqrt(eigenvalue_ratio({ii, ss, pp, is, ip, sp}));
+  const int panels = panels_for(std::atanh(std::min(ratio, 1 - 1e-9)));
+  if (panels <= kMostPanels) {
+    constexpr int kMost = kMostPanels * kPanelNodes;
+    std::array<double, kMost> cosines2, mixed, sines2, weights;
+    int count = 0;
+    at_nodes(-kPi / 2, kPi / 2, panels, [&](double theta, double weight) {
+      const double c = std::cos(theta), s = std::sin(theta);
+      cosines2[count] = c * c;
+      mixed[count] = c * s;
+      sines2[count] = s * s * pp;
+      weights[count++] = weight * c * c * c;
+    });
+    double sum = 0;
+    at_nodes(gap - kPi / 2, kPi / 2, panels, [&](double psi, double weight) {
+      const auto [across, between, clamped] = arc(psi);
+      double along = 0;
+      for (int k = 0; k < count; ++k)
+        along += weights[k] / std::sqrt(cosines2[k] * across + mixed[k] * between + sines2[k]);
+      sum += weight * clamped * along;
+    });
+    return lo * sum / (kPi * kPi);
+  }
+  const auto over_theta = [&](double psi) {
+    const auto [across, between, clamped] = arc(psi);
+    const auto integrand = [&, across = across, between = between](double theta) {
+      const double c = std::cos(theta), s = std::sin(theta);
+      return c * c * c / std::sqrt(c * c * across + c * s * between + s * s * pp);
     };
-    return gauss_kronrod<double, 21>::integrate(integrand, gap - kPi / 2, kPi / 2, 8, 1e-8);
+    return clamped * gauss_kronrod<double, 21>::integrate(integrand, -kPi / 2, kPi / 2, 12, 1e-9);
   };
   // The ridge of 1 / |A u| may cross the lune anywhere; halves let the adaptive rule find it.
   double sum = 0;
-  for (const double from : {-1.0, -0.5, 0.0, 0.5})
-    sum += gauss_kronrod<double, 21>::integrate(over_psi, from, from + 0.5, 8, 1e-8);
+  const double from = gap - kPi / 2, width = kPi - gap;
+  for (const double part : {0.0, 0.25, 0.5, 0.75})
+    sum += gauss_kronrod<double, 21>::integrate(over_theta, from + part * width,
+                                                from + (part + 0.25) * width, 12, 1e-8);
   return lo * sum / (kPi * kPi);
 }
 
