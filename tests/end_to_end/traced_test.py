@@ -84,7 +84,9 @@ class PathsOnAnObject(ProgramTest):
 
     def test_say_which_model_gains_light_without_end(self):
         answer = self.lamella("preview", "spongecake_wood", "--white", "--shape", "sphere", "--size", "16",
-                              "--samples", "4", "--depth", "64", "--quiet", "-o", "out", status=2)
+                              "--samples", "4", "--depth", "64", "--model",
+                              "spongecake,lambert_reflect=1e6,lambert_transmit=1e6", "--quiet", "-o", "out",
+                              status=2)
         self.assertIn("the model gains light", answer.err)
         self.assertEqual(answer.err.count("\n"), 1)
 
