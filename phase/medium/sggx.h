@@ -45,8 +45,8 @@ class Sggx {
   }
   /// integral of D(m) <w_i, m> <w_o, m> dm / (pi sigma(w_i)): about the axis, the azimuth in closed
   /// form, where S has a double eigenvalue (relative error below 1e-8, 1e-6 at alpha 0.001); else
-  /// over the lune that both directions see (below 1e-8, 1e-7 tested; 6 us at alpha 0.5, 0.4 ms
-  /// at 0.02, 1.4 ms at 0.001).
+  /// over the lune that both directions see (1e-7; slower, the more so the further apart the
+  /// eigenvalues are).
   [[nodiscard]] double diffuse_phase(Direction wi, Direction wo) const;
   [[nodiscard]] bool is_delta() const { return false; }
 

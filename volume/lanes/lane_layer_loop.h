@@ -39,8 +39,8 @@ struct LayeredWalks {
   Waiting* layers;  // the substrate behind them
   int under_way = 0, most;
   bool all_begun = false;
-  bool begins = true;  // turns in the layer `entry` begin walks
-  int entry = 0;
+  const bool forced;  // all walks collide; else turns in the layer `entry` begin walks
+  const int entry;
   Walks all[kSets];
 
   /// Memory for the stores of a thread, which all of its tasks share: touching it for the first
@@ -55,7 +55,9 @@ struct LayeredWalks {
   explicit LayeredWalks(const Setting& setting)
       : s(setting),
         layer_count(s.task.walk.layer_count + (s.task.walk.substrate ? 1 : 0)),
-        layers(waiting_of(layer_count)) {
+        layers(waiting_of(layer_count)),
+        forced(s.task.walk.forced_chance > 0),
+        entry(s.task.walk.from_above ? 0 : s.task.walk.layer_count - 1) {
     const LatticeNumbers* lattice = s.task.walk.lattice;
     for (int k = 0; k < layer_count; ++k)
       for (Store* store : {&layers[k].colliding, &layers[k].arriving}) {
@@ -71,7 +73,6 @@ struct LayeredWalks {
   template <class One>
   struct FirstFlights {
     static constexpr bool kBounded = false;
-    const LayeredWalks& walks;
     const One& one;
     Floats depth;
     FloatMask& inside;
@@ -92,7 +93,7 @@ struct LayeredWalks {
     while (under_way + kLanes <= most) {
       State w;
       FloatMask walks, inside;
-      const FirstFlights<One> flights{*this, one, depth, inside};
+      const FirstFlights<One> flights{one, depth, inside};
       const int begun = beginnings.begin_some(t, flights, blocks, w, walks);
       all_begun = begun == 0;
       if (all_begun) break;
@@ -233,7 +234,7 @@ struct LayeredWalks {
     for (bool first = true;; first = false) {
       if constexpr (!One::kSubstrate) {
         if (here.colliding.size < kInLanes) let_in(one, layer, depth);
-        if (here.colliding.size < kInLanes && begins && !all_begun && layer == entry)
+        if (here.colliding.size < kInLanes && !forced && !all_begun && layer == entry)
           begin_in(one, layer, depth);
       }
       const int walking = take(here.colliding);
@@ -285,17 +286,13 @@ struct LayeredWalks {
   }
 
   void run() {
-    const WalkSetting<float>& t = s.task.walk;
-    const bool forced = t.forced_chance > 0;
-    begins = !forced;
-    entry = t.from_above ? 0 : t.layer_count - 1;
     while (!all_begun || under_way > 0) {
       if (forced && !all_begun) begin_forced();
       int fullest = 0;
       for (int k = 1; k < layer_count; ++k)
         if (layers[k].count() > layers[fullest].count()) fullest = k;
       // Room for half of them is room for new ones.
-      if (begins && !all_begun && under_way < most / 2) fullest = entry;
+      if (!forced && !all_begun && under_way < most / 2) fullest = entry;
       take_turn_in(fullest);
     }
     LaneSums& sums = close(s, ended, totals);
