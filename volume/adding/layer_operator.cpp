@@ -1,8 +1,11 @@
 #include "volume/adding/layer_operator.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "phase/medium/lambert_event.h"
 #include "volume/adding/without_subtraction.h"
@@ -26,6 +29,24 @@ struct Chain {
   }
 };
 
+// Incoming directions are independent of each other: blocks of them are shared out where they are
+// worth it. What a block answers does not depend on who works on it.
+constexpr Index kBlockColumns = 24, kFewestSharedNodes = 24;
+
+template <class Work>
+void for_each_block(Index columns, Index nodes, const Work& work) {
+  const Index blocks = (columns + kBlockColumns - 1) / kBlockColumns;
+  const auto one = [&](Index block) {
+    const Index first = block * kBlockColumns;
+    work(first, std::min(kBlockColumns, columns - first));
+  };
+  if (nodes < kFewestSharedNodes) {
+    for (Index block = 0; block < blocks; ++block) one(block);
+  } else {
+    oneapi::tbb::parallel_for(Index{0}, blocks, one);
+  }
+}
+
 // Share of each node's irradiance that a pile does not reflect: transmitted or absorbed.
 RowVectorXd not_reflected(const OperatorSide& side, const VectorXd& flux) {
   const Index n = flux.size();
@@ -35,62 +56,88 @@ RowVectorXd not_reflected(const OperatorSide& side, const VectorXd& flux) {
   return lost;
 }
 
+// Multiple reflections between two layers, (I - turn)^-1.
+class Between {
+ public:
+  Between(const MatrixXd& turn, const std::optional<RowVectorXd>& defect) {
+    if (defect)
+      exact_.emplace(turn, *defect);
+    else
+      plain_.emplace(MatrixXd::Identity(turn.rows(), turn.cols()) - turn);
+  }
+  [[nodiscard]] MatrixXd solve(MatrixXd source) const {
+    return exact_ ? exact_->solve(std::move(source)) : MatrixXd(plain_->solve(source));
+  }
+
+ private:
+  std::optional<WithoutSubtraction> exact_;
+  std::optional<Eigen::PartialPivLU<MatrixXd>> plain_;
+};
+
 }  // namespace
 
 OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_back,
                        const OperatorSide& far_front, const OperatorRules& rules) {
-  const Index n = rules.sets.nodes();
+  const Index n = rules.sets.nodes(), columns = rules.sets.in.size(), rows = rules.sets.out.size();
   const VectorXd& flux = rules.sets.flux;
   const Chain chain{flux, rules.product};
-  const auto beam = near_front.direct_in.asDiagonal();
 
   // Between the two: `onward` goes towards far, `back` comes from it. In irradiance
   // onward = source + (flux R_near) (flux R_far) onward.
-  Series onward, back;
-  back[0] = far_front.r[0] * beam;
-  const MatrixXd source =
-      flux.asDiagonal() * (near_front.t[0].topRows(n) + chain(near_back.r[0].topRows(n), back[0]));
+  const MatrixXd near_r = flux.asDiagonal() * near_back.r[0].topLeftCorner(n, n);
   const MatrixXd far_r = flux.asDiagonal() * far_front.r[0].topLeftCorner(n, n);
-  const MatrixXd turn =
-      rules.product(flux.asDiagonal() * near_back.r[0].topLeftCorner(n, n), far_r);
-  MatrixXd crossing;
-  if (rules.mode == 0) {
-    const RowVectorXd defect =
-        not_reflected(far_front, flux) + not_reflected(near_back, flux) * far_r;
-    crossing = WithoutSubtraction(turn, defect).solve(source);
-  } else {
-    crossing = (MatrixXd::Identity(n, n) - turn).partialPivLu().solve(source);
-  }
-  crossing = flux.cwiseInverse().asDiagonal() * crossing;
-  back[0] += chain(far_front.r[0], crossing);
-  onward[0] = near_front.t[0] + chain(near_back.r[0], back[0]);
-  for (int k = 1; k <= rules.orders; ++k) {
-    onward[k] = near_front.t[k];
-    back[k] = far_front.r[k] * beam;
-    for (int l = 1; l < k; ++l) {
-      onward[k] += chain(near_back.r[l], back[k - l]);
-      back[k] += chain(far_front.r[l], onward[k - l]);
-    }
-  }
+  MatrixXd turn(n, n);
+  for_each_block(n, n, [&](Index first, Index count) {
+    turn.middleCols(first, count) = rules.product(near_r, far_r.middleCols(first, count));
+  });
+  std::optional<RowVectorXd> defect;
+  if (rules.mode == 0)
+    defect = not_reflected(far_front, flux) + not_reflected(near_back, flux) * far_r;
+  const Between between(turn, defect);
 
   OperatorSide result;
-  for (int k = 0; k <= rules.orders; ++k) {
-    result.r[k] = near_front.r[k] + near_back.direct_out.asDiagonal() * back[k];
-    result.t[k] = far_front.direct_out.asDiagonal() * onward[k] + far_front.t[k] * beam;
-    for (int l = k == 0 ? 0 : 1; l < std::max(k, 1); ++l) {
-      const int m = k == 0 ? 0 : k - l;
-      result.r[k] += chain(near_back.t[l], back[m]);
-      result.t[k] += chain(far_front.t[l], onward[m]);
+  for (int k = 0; k <= rules.orders; ++k)
+    for (Series* series : {&result.r, &result.t}) (*series)[k].resize(rows, columns);
+  if (rules.mode == 0) result.absorbed.resize(columns);
+  for_each_block(columns, n, [&](Index first, Index count) {
+    const auto of = [&](const MatrixXd& all) { return all.middleCols(first, count); };
+    const auto beam = near_front.direct_in.segment(first, count).asDiagonal();
+    Series onward, back;
+    back[0] = of(far_front.r[0]) * beam;
+    const MatrixXd source = flux.asDiagonal() * (of(near_front.t[0]).topRows(n) +
+                                                 chain(near_back.r[0].topRows(n), back[0]));
+    const MatrixXd crossing = flux.cwiseInverse().asDiagonal() * between.solve(source);
+    back[0] += chain(far_front.r[0], crossing);
+    onward[0] = of(near_front.t[0]) + chain(near_back.r[0], back[0]);
+    for (int k = 1; k <= rules.orders; ++k) {
+      onward[k] = of(near_front.t[k]);
+      back[k] = of(far_front.r[k]) * beam;
+      for (int l = 1; l < k; ++l) {
+        onward[k] += chain(near_back.r[l], back[k - l]);
+        back[k] += chain(far_front.r[l], onward[k - l]);
+      }
     }
-  }
+    for (int k = 0; k <= rules.orders; ++k) {
+      MatrixXd r = of(near_front.r[k]) + near_back.direct_out.asDiagonal() * back[k];
+      MatrixXd t = far_front.direct_out.asDiagonal() * onward[k] + of(far_front.t[k]) * beam;
+      for (int l = k == 0 ? 0 : 1; l < std::max(k, 1); ++l) {
+        const int m = k == 0 ? 0 : k - l;
+        r += chain(near_back.t[l], back[m]);
+        t += chain(far_front.t[l], onward[m]);
+      }
+      result.r[k].middleCols(first, count) = r;
+      result.t[k].middleCols(first, count) = t;
+    }
+    if (rules.mode > 0) return;
+    const auto nodes = flux.asDiagonal();
+    result.absorbed.segment(first, count) =
+        near_front.absorbed.segment(first, count) +
+        far_front.absorbed.segment(first, count) * beam +
+        near_back.absorbed.head(n) * nodes * back[0].topRows(n) +
+        far_front.absorbed.head(n) * nodes * onward[0].topRows(n);
+  });
   result.direct_in = near_front.direct_in.cwiseProduct(far_front.direct_in);
   result.direct_out = near_front.direct_out.cwiseProduct(far_front.direct_out);
-  if (rules.mode == 0) {
-    result.absorbed = near_front.absorbed + far_front.absorbed * beam;
-    const auto nodes = flux.asDiagonal();
-    result.absorbed += near_back.absorbed.head(n) * nodes * back[0].topRows(n);
-    result.absorbed += far_front.absorbed.head(n) * nodes * onward[0].topRows(n);
-  }
   return result;
 }
 

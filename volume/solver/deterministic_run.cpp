@@ -1,10 +1,11 @@
 #include "volume/solver/deterministic_run.h"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "phase/math/larger_error.h"
 #include "volume/quadrature/cell_quadrature.h"
@@ -232,11 +233,15 @@ std::vector<RunResult> deterministic_runs(const DeterministicSolution& solution,
   for (const Direction wi : incident) mu_i.push_back(with_grazing_limit(wi).z);
   // Quadratures finer than what the solver reached would cost time for nothing.
   const double quadrature = std::max(tolerance, solution.accuracy().error / 2);
-  const RowSampler sampler(solution, grid, plan.channels, plan.transmits, mu_i,
-                           edges_of_panels(solution.stack(), mu_i), quadrature, stop,
-                           [&](double share) { tell(share / 2); });
-  const std::vector<DeterministicEnergies> energies = solution.energies(mu_i);
-  const Assembly assembly{solution, sampler, grid, plan.channels, quadrature};
+  std::optional<RowSampler> sampler;
+  std::vector<DeterministicEnergies> energies;
+  tbb::parallel_invoke([&] { energies = solution.energies(mu_i); },
+                       [&] {
+                         sampler.emplace(solution, grid, plan.channels, plan.transmits, mu_i,
+                                         edges_of_panels(solution.stack(), mu_i), quadrature, stop,
+                                         [&](double share) { tell(share / 2); });
+                       });
+  const Assembly assembly{solution, *sampler, grid, plan.channels, quadrature};
   std::vector<RunResult> runs(incident.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     tell(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(runs.size()));

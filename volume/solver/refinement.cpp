@@ -1,6 +1,8 @@
 // Nodes and modes are refined until the probes' values stand still.
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
@@ -103,7 +105,8 @@ struct Limits {
   double tolerance;
   int max_modes;
   std::size_t max_bytes;
-  double seconds;  // left
+  double seconds;   // left
+  int first_batch;  // modes that are worth solving at once, as far as is known
   bool steep;
   bool is_first_closed;
   const std::atomic<bool>* stop;
@@ -134,7 +137,11 @@ ProbeModes solve_probes(StackSolver& stack, SecondSplit* split, int parts, const
   const int threads = std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
   int quiet = 0, first_quiet = 0;
   ended = DeterministicLimit::modes;
-  std::vector<AskedMode> solved(threads);
+  // Modes that are solved at once: more than threads where that is a matter of a moment, so that
+  // the clock and `stop` are looked at often, and that nothing waits for mode 0, the longest.
+  constexpr double kMoment = 0.1;
+  int batch = std::max(threads, limits.first_batch);
+  std::vector<AskedMode> solved;
   for (int first = 0, count = 0; first < limits.max_modes; first += count) {
     if (first == stack.ready() && !stack.prepare_more(limits.max_bytes)) {
       ended = DeterministicLimit::memory;
@@ -149,8 +156,16 @@ ProbeModes solve_probes(StackSolver& stack, SecondSplit* split, int parts, const
       return result;
     }
     limits.report(first);
-    count = std::min({threads, stack.ready() - first, limits.max_modes - first});
-    oneapi::tbb::parallel_for(0, count, [&](int k) { solved[k] = stack.asked_mode(first + k); });
+    const auto begun = std::chrono::steady_clock::now();
+    count = std::min({batch, stack.ready() - first, limits.max_modes - first});
+    solved.resize(std::max(solved.size(), static_cast<std::size_t>(count)));
+    oneapi::tbb::parallel_for(
+        oneapi::tbb::blocked_range<int>(0, count),
+        [&](const auto& range) {
+          for (int k = range.begin(); k < range.end(); ++k) solved[k] = stack.asked_mode(first + k);
+        },
+        oneapi::tbb::simple_partitioner());
+    batch = first == 0 || seconds_since(begun) > kMoment ? threads : 2 * batch;
     if (first == 0) result.energy_defect = energy_defect(solved[0], parts > 1);
     for (int k = 0; k < count; ++k) {
       const int m = first + k;
@@ -284,6 +299,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
   std::vector<ProbeModes> coarse(channels);
   DeterministicAccuracy& accuracy = solution.accuracy_;
   accuracy.error = 1;
+  bool is_quick = true;
   for (int nodes = options.min_nodes, step = 0;; ++step) {
     const double begun = seconds_since(start);
     DeterministicAccuracy now;
@@ -306,6 +322,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
                           max_modes,
                           options.max_bytes,
                           2 * options.max_seconds - seconds_since(start),
+                          is_quick ? static_cast<int>(coarse[k].rest.size()) : 0,
                           solution.steep_,
                           is_first_closed(stack),
                           options.stop,
@@ -344,6 +361,7 @@ DeterministicSolution solve_deterministic(const Stack& stack, const Deterministi
       solution.faint_ = faint;
     }
     const double seconds = seconds_since(start);
+    is_quick = seconds - begun < 1;
     const int next = nodes % 3 == 0 ? nodes / 3 * 4 : nodes * 3 / 2;
     const double growth = static_cast<double>(next) / nodes;
     if (now.reached) break;
