@@ -18,20 +18,20 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-// left[:, nodes] flux right[nodes, :]: light that crosses a plane between two events.
+// Adds left[:, nodes] flux right[nodes, :]: light that crosses a plane between two events.
 struct Chain {
   const VectorXd& flux;
   const MatrixProduct& product;
 
-  MatrixXd operator()(const Eigen::Ref<const MatrixXd>& left, const MatrixXd& right) const {
+  void add(const Eigen::Ref<const MatrixXd>& left, const MatrixXd& right, MatrixXd& to) const {
     const Index n = flux.size();
-    return product(left.leftCols(n), flux.asDiagonal() * right.topRows(n));
+    product.add(left.leftCols(n), flux.asDiagonal() * right.topRows(n), to);
   }
 };
 
 // Incoming directions are independent of each other: blocks of them are shared out where they are
 // worth it. What a block answers does not depend on who works on it.
-constexpr Index kBlockColumns = 24, kFewestSharedNodes = 24;
+constexpr Index kBlockColumns = 16, kFewestSharedNodes = 24;
 
 template <class Work>
 void for_each_block(Index columns, Index nodes, const Work& work) {
@@ -104,17 +104,19 @@ OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_
     const auto beam = near_front.direct_in.segment(first, count).asDiagonal();
     Series onward, back;
     back[0] = of(far_front.r[0]) * beam;
-    const MatrixXd source = flux.asDiagonal() * (of(near_front.t[0]).topRows(n) +
-                                                 chain(near_back.r[0].topRows(n), back[0]));
-    const MatrixXd crossing = flux.cwiseInverse().asDiagonal() * between.solve(source);
-    back[0] += chain(far_front.r[0], crossing);
-    onward[0] = of(near_front.t[0]) + chain(near_back.r[0], back[0]);
+    MatrixXd source = of(near_front.t[0]).topRows(n);
+    chain.add(near_back.r[0].topRows(n), back[0], source);
+    const MatrixXd crossing =
+        flux.cwiseInverse().asDiagonal() * between.solve(flux.asDiagonal() * source);
+    chain.add(far_front.r[0], crossing, back[0]);
+    onward[0] = of(near_front.t[0]);
+    chain.add(near_back.r[0], back[0], onward[0]);
     for (int k = 1; k <= rules.orders; ++k) {
       onward[k] = of(near_front.t[k]);
       back[k] = of(far_front.r[k]) * beam;
       for (int l = 1; l < k; ++l) {
-        onward[k] += chain(near_back.r[l], back[k - l]);
-        back[k] += chain(far_front.r[l], onward[k - l]);
+        chain.add(near_back.r[l], back[k - l], onward[k]);
+        chain.add(far_front.r[l], onward[k - l], back[k]);
       }
     }
     for (int k = 0; k <= rules.orders; ++k) {
@@ -122,8 +124,8 @@ OperatorSide add_sides(const OperatorSide& near_front, const OperatorSide& near_
       MatrixXd t = far_front.direct_out.asDiagonal() * onward[k] + of(far_front.t[k]) * beam;
       for (int l = k == 0 ? 0 : 1; l < std::max(k, 1); ++l) {
         const int m = k == 0 ? 0 : k - l;
-        r += chain(near_back.t[l], back[m]);
-        t += chain(far_front.t[l], onward[m]);
+        chain.add(near_back.t[l], back[m], r);
+        chain.add(far_front.t[l], onward[m], t);
       }
       result.r[k].middleCols(first, count) = r;
       result.t[k].middleCols(first, count) = t;

@@ -1,4 +1,6 @@
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
 
 #include <algorithm>
 #include <cmath>
@@ -239,7 +241,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
     }
     solver->prepare(modes_[k]);
     channel->modes.resize(modes_[k]);
-    oneapi::tbb::parallel_for(0, modes_[k], [&](int m) {
+    const auto solve = [&](int m) {
       const AskedMode mode = solver->asked_series(m);
       OrderModes& orders = channel->modes[m];
       for (int part = 0; part < 4; ++part) {
@@ -256,7 +258,14 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
         }
         if (m == 0) channel->mean[part] = s(0);
       }
-    });
+    };
+    // One by one: some modes take far longer than others.
+    oneapi::tbb::parallel_for(
+        oneapi::tbb::blocked_range<int>(0, modes_[k]),
+        [&](const auto& range) {
+          for (int m = range.begin(); m < range.end(); ++m) solve(m);
+        },
+        oneapi::tbb::simple_partitioner());
     if (split)
       for (int m = 0; m < modes_[k]; ++m)
         if (std::optional<Parts> counted = split->counted(m))
