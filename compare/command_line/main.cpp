@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
+
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -23,6 +27,16 @@ using lamella::Ranks;
 constexpr std::chrono::seconds kRankWaits{3};
 // Until all that were interrupted have kept what they have.
 constexpr std::chrono::milliseconds kInterruptedWaits{900};
+
+// Solvers take and give back arrays all the time. Freed memory stays with the program, because page
+// faults of several threads wait for each other.
+void keep_freed_memory() {
+#ifdef M_TRIM_THRESHOLD
+  constexpr int kMiB = 1 << 20;
+  mallopt(M_TRIM_THRESHOLD, 256 * kMiB);
+  mallopt(M_MMAP_THRESHOLD, 32 * kMiB);  // setting the one would otherwise freeze the other
+#endif
+}
 
 int run_program(int argc, char** argv) {
   lamella::CommandLine line;
@@ -63,6 +77,7 @@ int failed(const std::exception& error, int status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   try {
     try {
       (void)lamella::started_ranks();

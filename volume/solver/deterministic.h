@@ -143,6 +143,8 @@ class DeterministicSolution {
   [[nodiscard]] std::vector<DeterministicEnergies> energies(std::span<const double> mu_i) const;
 
   [[nodiscard]] const DeterministicAccuracy& accuracy() const { return accuracy_; }
+  /// What was asked for, see DeterministicOptions.
+  [[nodiscard]] double tolerance() const { return tolerance_; }
   /// Whether `field` integrates order 2 where it is asked to, as its modes from the nodes are short
   /// of the tolerance.
   [[nodiscard]] bool integrates_second() const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <unordered_set>
 #include <vector>
 
 #include "phase/math/direction.h"
@@ -63,8 +65,8 @@ struct Place {
 // The cosines of one side of the stack.
 class Side {
  public:
-  // cosines: absolute, sorted, distinct. refined: the number of the table, from 0.
-  Side(const std::vector<double>& cosines, int refined) {
+  // few: absolute, sorted, distinct; none where they are many. refined: the table's, from 0.
+  Side(const std::vector<double>& few, int refined) {
     edges_.push_back(0);
     for (int k = kHalvings + kMoreHalvings * refined; k > 0; --k) {
       const double low = kPi / 2 * std::ldexp(1, -k);
@@ -72,9 +74,9 @@ class Side {
       for (int part = 0; part < parts; ++part) edges_.push_back(low * (1 + double(part) / parts));
     }
     edges_.push_back(kPi / 2);
-    is_exact_ = cosines.size() <= points();
+    is_exact_ = !few.empty() && few.size() <= points();
     if (is_exact_) {
-      mu_ = cosines;
+      mu_ = few;
       return;
     }
     for (std::size_t panel = 0; panel + 1 < edges_.size(); ++panel)
@@ -130,28 +132,61 @@ class Side {
   std::vector<double> mu_;
 };
 
-std::vector<double> distinct(std::vector<double> list) {
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-  return list;
+// More distinct cosines than the finest table has: which ones there are does not matter then.
+constexpr std::size_t kManyCosines = 1024;
+
+// Puts `count` elements of a range, its ends among them, where sorting would put them.
+void sort_some(std::vector<double>& list, std::size_t count) {
+  const auto place = [&](std::size_t k) {
+    return list.begin() + static_cast<std::ptrdiff_t>(k * (list.size() - 1) / (count - 1));
+  };
+  const auto between = [&](auto& self, std::size_t first, std::size_t last) -> void {
+    if (last - first < 2) return;
+    const std::size_t middle = (first + last) / 2;
+    std::nth_element(place(first) + 1, place(middle), place(last));
+    self(self, first, middle);
+    self(self, middle, last);
+  };
+  std::nth_element(list.begin(), list.begin(), list.end());
+  std::nth_element(list.begin() + 1, list.end() - 1, list.end());
+  between(between, 0, count - 1);
 }
 
-// Some of a sorted list, its ends among them.
-std::vector<double> some_of(const std::vector<double>& list, std::size_t count) {
-  if (list.size() <= count) return list;
-  std::vector<double> some;
-  for (std::size_t k = 0; k < count; ++k) some.push_back(list[k * (list.size() - 1) / (count - 1)]);
-  return some;
-}
+// Absolute cosines that are asked for on one side of the stack.
+struct AskedOfSide {
+  bool any = false;
+  std::vector<double> few;     // sorted and distinct, unless they are many
+  std::vector<double> tested;  // some of them, sorted, the extreme ones among them
 
-// Cosines by side, above and below.
-struct BySide {
-  std::array<std::vector<double>, 2> mu;
-  explicit BySide(std::span<const CosinePair> pairs, double CosinePair::*which) {
-    for (const CosinePair& pair : pairs) mu[pair.*which < 0].push_back(std::abs(pair.*which));
-    for (std::vector<double>& side : mu) side = distinct(std::move(side));
+  explicit AskedOfSide(std::vector<double> cosines) : any(!cosines.empty()) {
+    std::unordered_set<double> seen;
+    for (std::size_t k = 0; k < cosines.size() && seen.size() <= kManyCosines; ++k)
+      seen.insert(cosines[k]);
+    const bool many = seen.size() > kManyCosines;
+    if (!many) {
+      few.assign(seen.begin(), seen.end());
+      std::sort(few.begin(), few.end());
+      cosines = few;
+    }
+    constexpr std::size_t kCount = PairTable::kTests;
+    if (cosines.size() <= kCount) {
+      tested = std::move(cosines);
+      return;
+    }
+    if (many) sort_some(cosines, kCount);
+    for (std::size_t k = 0; k < kCount; ++k)
+      tested.push_back(cosines[k * (cosines.size() - 1) / (kCount - 1)]);
   }
 };
+
+// Above and below.
+using BySide = std::array<AskedOfSide, 2>;
+
+BySide by_side(std::span<const CosinePair> pairs, double CosinePair::*which) {
+  std::array<std::vector<double>, 2> mu;
+  for (const CosinePair& pair : pairs) mu[pair.*which < 0].push_back(std::abs(pair.*which));
+  return {AskedOfSide(std::move(mu[0])), AskedOfSide(std::move(mu[1]))};
+}
 
 // Whether pairs may integrate order 2 for themselves (DeterministicField::multiple_refined).
 bool has_steep_layer(const Stack& stack) {
@@ -194,8 +229,8 @@ PairTable::Table::Table(const DeterministicSolution& solution, const BySide& inc
     std::size_t count = 0;
     for (int side = 0; side < 2; ++side) {
       first[side] = count;
-      if (asked.mu[side].empty()) continue;
-      sides[side].emplace(asked.mu[side], refined);
+      if (!asked[side].any) continue;
+      sides[side].emplace(asked[side].few, refined);
       mu[side] = sides[side]->mu();
       count += mu[side].size();
     }
@@ -280,20 +315,17 @@ DeterministicValue PairTable::Table::value(const Place& i, const Place& o, bool 
 std::optional<PairTable> PairTable::make(const DeterministicSolution& solution,
                                          std::span<const CosinePair> pairs) {
   if (pairs.size() < kFewestPairs || has_steep_layer(solution.stack())) return std::nullopt;
-  const BySide incident(pairs, &CosinePair::mu_i), outgoing(pairs, &CosinePair::mu_o);
-  std::array<std::vector<double>, 2> test_in, test_out;
-  for (int side = 0; side < 2; ++side) {
-    test_in[side] = some_of(incident.mu[side], kTests);
-    test_out[side] = some_of(outgoing.mu[side], kTests);
-  }
-  const std::vector<double> tested_in = signed_cosines(test_in),
-                            tested_out = signed_cosines(test_out);
+  const BySide incident = by_side(pairs, &CosinePair::mu_i),
+               outgoing = by_side(pairs, &CosinePair::mu_o);
+  const std::vector<double> tested_in = signed_cosines({incident[0].tested, incident[1].tested}),
+                            tested_out = signed_cosines({outgoing[0].tested, outgoing[1].tested});
   const DeterministicField field = solution.field(tested_in, tested_out);
   const DeterministicAccuracy& accuracy = solution.accuracy();
+  const double error = accuracy.error, tolerance = solution.tolerance();
   constexpr std::array<double, 3> kAzimuths{0, 1, kPi};
   for (int refined = 0; refined <= kRefinements; ++refined) {
     PairTable made;
-    made.allowed_ = std::max(accuracy.node_error, accuracy.energy_defect) + 2 * accuracy.error;
+    made.allowed_ = std::numeric_limits<double>::infinity();
     made.table_ = std::make_shared<const Table>(solution, incident, outgoing, refined);
     double worst = 0;
     for (std::size_t i = 0; i < tested_in.size(); ++i)
@@ -308,7 +340,13 @@ std::optional<PairTable> PairTable::make(const DeterministicSolution& solution,
                                         field.scale(channel, i, o));
         }
     made.deviation_ = kSafety * worst;
-    if (made.deviation_ <= accuracy.error) return made;
+    if (made.deviation_ > std::max(error, tolerance - error)) continue;
+    // A pair that solves for itself owes the nodes' error and what its own tails of modes leave,
+    // each at most `error` at the probes. Where that is all that was asked for, tails twice as long
+    // are taken here, too, since such a pair costs as much as hundreds from the table.
+    made.allowed_ = std::max(std::max(accuracy.node_error, accuracy.energy_defect) + 2 * error,
+                             tolerance - made.deviation_);
+    return made;
   }
   return std::nullopt;
 }

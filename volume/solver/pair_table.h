@@ -30,16 +30,15 @@ class PairTable {
   /// nine panels of the first table, at the price of less than 576 pairs that share their cosines.
   static constexpr int kTests = 24;
 
-  /// The coarsest table whose deviation is within the solution's error, so that no pair's bound is
-  /// more than doubled by it. Nothing where there is
-  /// none, where so few pairs are cheaper one by one, and of steep media, whose order 2 each pair
-  /// may integrate for itself.
+  /// The coarsest table whose deviation leaves the error that the solution has within its
+  /// tolerance, or at most doubles it. Nothing where there is none, where so few pairs are cheaper
+  /// one by one, and of steep media, whose order 2 each pair may integrate for itself.
   [[nodiscard]] static std::optional<PairTable> make(const DeterministicSolution& solution,
                                                      std::span<const CosinePair> pairs);
 
   /// The sum over all orders and its error. x = pi - phi. Nothing where both directions are in the
   /// lowest panels, or where modes that are left out, which a pair that is solved for itself may
-  /// account for, are above twice the solution's error.
+  /// account for, are above twice the solution's error and bring the bound above its tolerance.
   [[nodiscard]] std::optional<DeterministicValue> at(CosinePair pair, double x) const;
 
   /// What four times the largest deviation was.
