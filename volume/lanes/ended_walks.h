@@ -164,6 +164,10 @@ struct EndedWalks {
       for (int j = 0; j < size; ++j) ++sums_of(j).cells[target_of[j]];
     else
       for (int j = 0; j < size; ++j) ++counted[place_of[j]][j % kLanes];
+    const bool shared = C == 0 && t.walk.forced_flights > 0;
+    const auto share = [&](int j) { return std::llround(weight[0][j] * kPointUnits); };
+    if (shared)
+      for (int j = 0; j < size; ++j) sums_of(j).shares[place_of[j]] += share(j);
     for (int channel = 0; weighs && channel < t.channels; ++channel) {
       const int first_cell = channel * nowhere;
       for (int j = 0; j < size; ++j) {
@@ -173,6 +177,7 @@ struct EndedWalks {
                   : t.end_weight[static_cast<std::uint32_t>(channel) * (t.order_cap + 1) +
                                  order_of[j]];
         if (thins) w <<= spared_of_walk[j];
+        if (shared) w = std::llround(static_cast<double>(w) * weight[0][j]);
         sums.weights[channel * kPlaces + static_cast<int>(place_of[j])] += w;
         if (cells && target_of[j] < static_cast<std::uint32_t>(nowhere))
           sums.cells[first_cell + static_cast<int>(target_of[j])] += w;

@@ -4,6 +4,7 @@
 // lamella_lanes().
 
 #include "volume/lanes/ended_walks.h"
+#include "volume/lanes/lane_forced_flights.h"
 #include "volume/lanes/lane_pool.h"
 
 namespace lamella::LAMELLA_ISA {
@@ -48,7 +49,7 @@ template <int C, class State>
   move([](State & w) -> auto& { return w.index; });
   move([](State & w) -> auto& { return w.death; });
   for (int k = 0; k < 4; ++k) move([k](State & w) -> auto& { return w.numbers.s[k]; });
-  for (int c = 0; c < C; ++c) move([c](State & w) -> auto& { return w.weight[c]; });
+  for (int c = 0; c < std::max(C, 1); ++c) move([c](State & w) -> auto& { return w.weight[c]; });
   move([](State & w) -> auto& { return w.point; });
   move([](State & w) -> auto& { return w.shift; });
   move([](State & w) -> auto& { return w.step; });
@@ -106,8 +107,9 @@ LAMELLA_INLINE void empty(LaneWalks<C, State>& walks, Vec3<Floats> incident) {
   walks.free_count = kLanes;
 }
 
-/// Gives walks of the pool to the lanes `take`, the first of them those of place `rank`.
-template <int C, class Pool>
+/// Gives walks of the pool to the lanes `take`, the first of them those of place `rank`. kWhole:
+/// walks without weights begin as a whole, of which flights that are forced take shares.
+template <int C, bool kWhole = false, class Pool>
 LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Floats, C>& w,
                            FloatMask take, Words rank) {
   const WordMask words = to_word_mask(take);
@@ -125,7 +127,7 @@ LAMELLA_INLINE void refill(const Pool& pool, Vec3<Floats> incident, LaneState<Fl
     w.shift = word(pool.shift, w.shift);
     w.step = select(words, Words(pool.first_step), w.step);
   }
-  if constexpr (C > 0)
+  if constexpr (C > 0 || kWhole)
     for (Floats& weight : w.weight) weight = select(take, Floats(1), weight);
   Vec3<Floats> light = incident;
   if (pool.draws) {
@@ -152,6 +154,19 @@ LAMELLA_INLINE void note_ends(const LoopSetting<C, Set, Score>& s, const State& 
   }
   if constexpr (C > 0)
     for (int c = 0; c < C; ++c) store_compressed(w.weight[c], tells, ended.weight[c] + at);
+  if constexpr (C == 0 && forces_flights<Set, Score>())
+    if (s.task.walk.forced_flights > 0) store_compressed(w.weight[0], tells, ended.weight[0] + at);
+}
+
+/// The flight that follows an event, forced where the setting asks for that.
+template <bool kFull, int C, class Set, class Score>
+LAMELLA_INLINE void fly_on(const LoopSetting<C, Set, Score>& s, LaneState<Floats, C>& w,
+                           const LaneDraws<Floats>& draws, FloatMask active,
+                           LaneEnds<Floats>& now) {
+  if constexpr (C == 0 && forces_flights<Set, Score>())
+    if (s.task.walk.forced_flights > 0)
+      return fly_forced<kFull>(s.task.walk, s.set, w, draws, active, now, s.score);
+  fly<C, kFull>(s.set, w, draws, active, now);
 }
 
 /// What a loop leaves in its batch when all walks have ended, the last of them counted here.
@@ -217,7 +232,7 @@ LAMELLA_INLINE void lockstep(const LoopSetting<C, Set, Score>& s,
     if (pool.to - pool.from < kMost) break;
 #pragma GCC unroll 4
     for (LaneWalks<C>& w : all) {
-      refill(pool, s.incident, w.state, w.free, rank_of(w.free));
+      refill<C, forces_flights<Set, Score>()>(pool, s.incident, w.state, w.free, rank_of(w.free));
       pool.from += w.free_count;
     }
     LaneDraws<Floats> draws[kSets];
@@ -229,7 +244,7 @@ LAMELLA_INLINE void lockstep(const LoopSetting<C, Set, Score>& s,
     for (int k = 0; k < kSets; ++k)
       now[k] = scatter<C, true>(t.walk, s.set, all[k].state, draws[k], every, s.score);
 #pragma GCC unroll 4
-    for (int k = 0; k < kSets; ++k) fly<C, true>(s.set, all[k].state, draws[k], every, now[k]);
+    for (int k = 0; k < kSets; ++k) fly_on<true>(s, all[k].state, draws[k], every, now[k]);
 #pragma GCC unroll 4
     for (int k = 0; k < kSets; ++k) count_ends<true>(s, all[k], now[k], every, ended, totals);
     if (ended.size >= Ended::kSize) ended.count_all(t);
@@ -248,7 +263,7 @@ LAMELLA_INLINE int take_walks(const LoopSetting<C, Set, Score>& s, Pool& pool,
     FloatMask take = w.free;
     if (available < kLanes)
       take = take & to_float_mask(is_below(rank, Words(static_cast<std::uint32_t>(available))));
-    refill<C>(pool, s.incident, w.state, take, rank);
+    refill<C, forces_flights<Set, Score>()>(pool, s.incident, w.state, take, rank);
     const int taken = count(take);
     pool.from += taken;
     if (pool.to - pool.from < kLanes) pool.fill(s.task, s.set);
@@ -267,8 +282,11 @@ LAMELLA_INLINE void set_by_set(const LoopSetting<C, Set, Score>& s, LaneWalks<C>
   for (LaneWalks<C>& w : all) {
     if (w.free_count == kLanes) continue;
     const FloatMask active = !w.free;
-    count_ends<false>(s, w, step(s.task.walk, s.set, w.state, active, s.score), active, ended,
-                      totals);
+    LaneDraws<Floats> draws;
+    draw(s.task.walk, s.set, w.state, draws);
+    LaneEnds<Floats> now = scatter(s.task.walk, s.set, w.state, draws, active, s.score);
+    fly_on<false>(s, w.state, draws, active, now);
+    count_ends<false>(s, w, now, active, ended, totals);
     ++totals.steps;
   }
 }

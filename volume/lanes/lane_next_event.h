@@ -36,40 +36,6 @@ struct FixedPoint {
   }
 };
 
-/// Sums of floats per lane in fixed point, without 64-bit arithmetic: multiples of 2^-6 and what
-/// remains in multiples of 1 / kPointUnits. Terms up to kPointLimit, kMost of them.
-struct FixedPointLanes {
-  // Of up to 2^25 in `fine`.
-  static constexpr int kMost = 63;
-  alignas(64) std::uint32_t coarse[kLanes] = {}, fine[kLanes] = {};  // two's complement
-
-  struct Term {
-    Words coarse, fine;
-    LAMELLA_INLINE explicit Term(Floats x) {
-      coarse = to_nearest_words(x * Floats(0x1p6f));
-      const Floats rest = multiply_add(to_floats(coarse), Floats(-0x1p-6f), x);
-      fine = to_nearest_words(rest * Floats(0x1p32f));
-    }
-  };
-  LAMELLA_INLINE void add(const Term& term, FloatMask here) {
-    const auto add_to = [&](std::uint32_t* sums, Words x) LAMELLA_INLINE_LAMBDA {
-      const Words old = Words::load(sums);
-      select(to_word_mask(here), old + x, old).store(sums);
-    };
-    add_to(coarse, term.coarse);
-    add_to(fine, term.fine);
-  }
-  /// The sum in units of 1 / kPointUnits; begins anew.
-  [[nodiscard]] std::int64_t take() {
-    std::int64_t sum = 0;
-    for (int k = 0; k < kLanes; ++k)
-      sum += (std::int64_t{static_cast<std::int32_t>(coarse[k])} << 26) +
-             static_cast<std::int32_t>(fine[k]);
-    *this = {};
-    return sum;
-  }
-};
-
 /// A lane's event, for all lanes to see.
 struct StoredEvents {
   alignas(64) float numbers[4][kLanes];
@@ -89,7 +55,7 @@ struct StoredEvents {
 /// Gives events to the sums of points or cells. C: weights that walks carry.
 template <int C>
 struct NextEventOnLanes {
-  static constexpr bool kUsesIndex = true;
+  static constexpr bool kUsesIndex = true, kForces = C == 0;
   // The largest number of points that is taken one point after the other, all lanes at once: beyond
   // it the other order is faster. In one layer of one medium, in any stack, and with weights or
   // colour.
@@ -99,10 +65,18 @@ struct NextEventOnLanes {
   // What few points got from walks without weights and colour, not yet in the sums.
   mutable int few_terms = 0;
   mutable FixedPointLanes few_sums[kFew][kRouletteOrder] = {};
+  mutable ForcedLeavers leavers{};
 
   /// Brings everything to the sums.
   LAMELLA_INLINE void finish() const {
     if (few_terms > 0) empty_few();
+    if (t.walk.forced_flights > 0) leavers.empty(t.batches[0].sums->forced);
+  }
+
+  /// Shares of walks that leave on forced flights.
+  LAMELLA_INLINE void leave(Floats shares, Words events, FloatMask down, FloatMask who) const {
+    leavers.add(shares, events, down, who);
+    if (leavers.is_full()) leavers.empty(t.batches[0].sums->forced);
   }
 
   template <class All, class M>
@@ -151,8 +125,12 @@ struct NextEventOnLanes {
   }
   /// How many walks each stands for, in terms' scale.
   LAMELLA_INLINE Floats walks(const LaneState<Floats, C>& w) const {
+    if (C == 0 && t.walk.forced_flights > 0) return w.weight[0] * Floats(t.term_scale);
     if (t.walk.thinned_from == 0) return Floats(t.term_scale);
     return power_of_two(spared_of(t.walk.thinned_from, w.order)) * Floats(t.term_scale);
+  }
+  [[nodiscard]] LAMELLA_INLINE bool differ_in_number() const {
+    return t.walk.thinned_from > 0 || t.walk.forced_flights > 0;
   }
   template <class M>
   [[nodiscard]] LAMELLA_INLINE bool has_fresnel(const M&) const {
@@ -201,7 +179,7 @@ struct NextEventOnLanes {
     const OfSlots slots(w.order, counts);
     for (int j = 0; j < t.points.count; ++j) {
       Floats value = sent(all, medium, event, w, j);
-      if (t.walk.thinned_from > 0) value = value * walks(w);
+      if (differ_in_number()) value = value * walks(w);
       const FixedPointLanes::Term term(value);
       for (std::uint32_t k = 0; k < kRouletteOrder; ++k) few_sums[j][k].add(term, slots.of[k]);
     }
@@ -310,7 +288,7 @@ struct NextEventOnLanes {
     LAMELLA_INLINE void give(Vec3<Floats> wo, Floats value, std::int64_t* place, int stride) const {
       const LaneWalkTask& task = to.t;
       if (!task.weighs()) {
-        if (task.walk.thinned_from > 0) value = value * share[0];
+        if (to.differ_in_number()) value = value * share[0];
         return FixedPoint(value).add_to(place);
       }
       Floats schlick(0);

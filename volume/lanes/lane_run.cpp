@@ -42,9 +42,11 @@ LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction i
       thinning_(plan.thinning),
       incident_(incident),
       counts_(batches) {
-  task_.walk = setting_.walk;
   task_.weights = !setting_.common_albedo;
   task_.one_medium = setting_.parts.size() == 1 && !task_.weights && !bounded_;
+  if (!counted && task_.one_medium && sampling_ == Sampling::rqmc && !thinning_.is_on())
+    setting_.force_flights();
+  task_.walk = setting_.walk;
   walk_ = lane_loop_of(task_, plan.isa);
   task_.channels = plan.channels;
   task_.index_stride = static_cast<std::uint32_t>(batches);
@@ -57,6 +59,9 @@ LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction i
   for (Counts& c : counts_) {
     c.ends.resize(rows() * (kOrders + 1));
     if (task_.weighs()) c.weights.resize(c.ends.size() * task_.channels);
+    if (task_.walk.forced_flights == 0) continue;
+    c.shares.resize(c.ends.size());
+    c.forced.resize(std::size_t{2} * (kForcedFlights - 1));
   }
 }
 
@@ -359,12 +364,32 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   const bool from_above = task_.walk.from_above;
   const int straight = bounded_ ? straight_row<true>(from_above) : straight_row<false>(from_above);
   for (int c = 0; c < task_.channels; ++c) {
+    // What left on forced flights after events that count as an order, times weight(events).
+    const auto forced = [&](auto end, int order, const auto& weight) {
+      double sum = 0;
+      const int side = static_cast<int>(end), flights = static_cast<int>(kForcedFlights) - 1;
+      if (counts.forced.empty() || side > 1) return sum;
+      for (int events = 1; events <= flights; ++events)
+        if (std::min(events, kOrders) == order)
+          sum += weight(events) * static_cast<double>(counts.forced[side * flights + events - 1]);
+      return sum / kPointUnits;
+    };
     // What walks of one order weigh together as they end.
     const auto ended = [&](auto end, int order) {
       const std::size_t at = place(end, order);
-      if (!task_.weighs())
-        return chance * static_cast<double>(ends[at]) * setting_.weight_after(0, order);
-      return chance / kPointUnits * static_cast<double>(counts.weights[c * ends.size() + at]);
+      if (!task_.weighs()) {
+        double walks = static_cast<double>(ends[at]);
+        if (!counts.shares.empty())
+          walks = static_cast<double>(counts.shares[at]) / kPointUnits +
+                  forced(end, order, [](int) { return 1.0; });
+        return chance * walks * setting_.weight_after(0, order);
+      }
+      const double left = forced(end, order, [&](int events) {
+        const auto row = std::min(static_cast<std::uint32_t>(events), task_.order_cap);
+        return static_cast<double>(end_weight_[c * (task_.order_cap + 1) + row]);
+      });
+      return chance / kPointUnits *
+             (static_cast<double>(counts.weights[c * ends.size() + at]) + left);
     };
     energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
     energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
@@ -462,6 +487,8 @@ std::string LaneRun::save(int batch) const {
   out.put_all(std::span<const std::uint64_t>(c.ends));
   out.put_all(std::span<const std::int64_t>(c.weights));
   out.put_all(std::span<const std::int64_t>(c.cells));
+  out.put_all(std::span<const std::int64_t>(c.shares));
+  out.put_all(std::span<const std::int64_t>(c.forced));
   out.put_all(std::span<const std::int64_t>(c.targets.data(), c.targets.size()));
   out.put_all(std::span<const std::int64_t>(c.zero_coarse));
   out.put_all(std::span<const std::int64_t>(c.zero_fine));
@@ -476,6 +503,8 @@ void LaneRun::restore(int batch, std::string_view bytes) {
   in.fill(std::span<std::uint64_t>(c.ends));
   in.fill(std::span<std::int64_t>(c.weights));
   in.fill(std::span<std::int64_t>(c.cells));
+  in.fill(std::span<std::int64_t>(c.shares));
+  in.fill(std::span<std::int64_t>(c.forced));
   in.fill(std::span<std::int64_t>(c.targets.data(), c.targets.size()));
   in.fill(std::span<std::int64_t>(c.zero_coarse));
   in.fill(std::span<std::int64_t>(c.zero_fine));

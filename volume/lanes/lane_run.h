@@ -70,7 +70,7 @@ class LaneRun {
 
   struct Counts {
     std::vector<std::uint64_t> ends;
-    std::vector<std::int64_t> weights, cells;
+    std::vector<std::int64_t> weights, cells, shares, forced;
     Aligned<std::int64_t> targets;
     std::vector<std::int64_t> zero_coarse, zero_fine;  ///< per point: ZeroTerm
     Aligned<float> scratch;
@@ -79,6 +79,8 @@ class LaneRun {
       return {.ends = ends.data(),
               .weights = weights.data(),
               .cells = cells.data(),
+              .shares = shares.data(),
+              .forced = forced.data(),
               .targets = targets.data()};
     }
   };

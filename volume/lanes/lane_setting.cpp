@@ -318,13 +318,22 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
     walk.collides_at_once = boundaries.value[kShape][walk.from_above ? 0 : walk.layer_count] > 0;
     return;
   }
-  const double collides = -std::expm1(-tau);
+  collides = -std::expm1(-tau);
   constexpr double kAtOnce = 0.999;
   walk.collides_at_once = collides > kAtOnce;
   if (collides <= kForcedChance && !walk.substrate) {
     chance = collides;
     walk.forced_chance = static_cast<Scalar>(collides);
   }
+}
+
+template <class Scalar>
+void LaneSetting<Scalar>::force_flights() {
+  walk.forced_flights = kForcedFlights;
+  walk.collides_at_once = true;
+  chance = collides;
+  walk.forced_chance = static_cast<Scalar>(collides);
+  walk.forced_rest = static_cast<Scalar>(1 - collides);
 }
 
 template <class Scalar>

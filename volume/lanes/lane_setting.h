@@ -61,7 +61,11 @@ struct LaneSetting {
   /// weights, the order tells them.
   bool common_albedo = false;
   std::array<double, 3> albedo{};
-  double chance = 1;  ///< of the first collision where it is forced
+  double collides = 1;  ///< the chance of a first collision, where there are no boundaries
+  double chance = 1;    ///< the same where it is forced, else 1
+
+  /// Forces the first kForcedFlights flights: of walks without weights through one layer.
+  void force_flights();
 };
 
 }  // namespace lamella

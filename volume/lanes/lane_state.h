@@ -30,6 +30,8 @@ inline constexpr int kBoundedBits = 5;
 inline constexpr std::uint32_t kLostBit = 4, kMetDeltasBit = 8, kCutBit = 16;
 /// The highest order that leaves room for them.
 inline constexpr std::uint64_t kMostBoundedOrder = 100000000;
+/// Flights that are forced where any are but the first: those that take numbers of a lattice.
+inline constexpr std::uint32_t kForcedFlights = kLatticeSteps;
 /// The order from which on walks end by roulette: kTallyOrders.
 inline constexpr std::uint32_t kRouletteOrder = 4;
 
@@ -47,8 +49,11 @@ struct WalkSetting {
   bool upright = false;  ///< all matrices are UprightSggxMatrix's
   Scalar wi[3] = {};
   bool collides_at_once = false;  ///< as good as every walk meets something
-  /// Above 0: every walk collides; this is the chance that it would.
-  Scalar forced_chance = 0;
+  /// Above 0: every walk collides; this is the chance that it would, and that it would not.
+  Scalar forced_chance = 0, forced_rest = 0;
+  /// Next event: how many of a walk's flights are forced, the first among them, see
+  /// volume/lanes/lane_forced_flights.h.
+  std::uint32_t forced_flights = 0;
   /// Walks without weights: 1 / -log(albedo), infinity at albedo 1. From the fourth event on a walk
   /// survives with the albedo.
   Scalar orders_per_absorption = 0;
@@ -79,6 +84,7 @@ struct LaneState {
   /// With a lattice: the walk's point, its batch's shift where walks of several batches share the
   /// lanes, and the steps that it has taken, where they are not its order.
   WordsOf<Real> point, shift, step;
+  /// Without weights: the share of the walk that goes on, where flights are forced.
   Real weight[C > 0 ? C : 1];
 };
 

@@ -194,6 +194,25 @@ LAMELLA_INLINE LaneEnds<Real> step(const WalkSetting<typename NumberTraits<Real>
   return now;
 }
 
+/// Up to this chance of a first collision its place is a series (1e-7 off there); other stacks than
+/// those whose first flights are forced anyway force none beyond.
+inline constexpr double kForcedChance = 0.05;
+
+/// The mean free paths to a first collision of that chance, by the uniform word.
+template <class Real, class Scalar>
+[[nodiscard]] LAMELLA_INLINE Real first_length(Scalar chance, Scalar rest, WordsOf<Real> word) {
+  using std::log;
+  const Real u = fine_uniform_of(word);
+  if (chance > static_cast<Scalar>(kForcedChance))
+    return -log(multiply_add(u, Real(chance), Real(rest)));
+  // -log(1 - x) by its series
+  const Real x = u * Real(chance);
+  Real p = multiply_add(x, Real(0.2), Real(0.25));
+  p = multiply_add(x, p, Real(1.0 / 3));
+  p = multiply_add(x, p, Real(0.5));
+  return multiply_add(x * x, p, x);
+}
+
 /// Begins walks of light from w_i by the numbers w.numbers and the point w.point: their first
 /// flight. Which of them
 /// collide; the others leave the stack as they came.
@@ -232,12 +251,8 @@ LAMELLA_INLINE MaskOf<Real> begin_from(Vec3<Real> wi,
   }
   if (!(t.forced_chance > 0))
     return set.fly(w.wi, exponential_of(flight), exist, w.layer, w.y) & exist;
-  // -log(1 - x) by its series, x the uniform number times the chance
-  const Real x = fine_uniform_of(flight) * Real(t.forced_chance);
-  Real p = multiply_add(x, Real(0.2), Real(0.25));
-  p = multiply_add(x, p, Real(1.0 / 3));
-  p = multiply_add(x, p, Real(0.5));
-  const auto inside = set.fly(w.wi, multiply_add(x * x, p, x), exist, w.layer, w.y);
+  const auto inside = set.fly(w.wi, first_length<Real>(t.forced_chance, t.forced_rest, flight),
+                              exist, w.layer, w.y);
   // What rounding sends out has its collision at the end of the way.
   const int last = t.from_above ? t.layer_count - 1 : 0;
   const auto out = !inside;
@@ -252,8 +267,5 @@ LAMELLA_INLINE MaskOf<Real> begin(const WalkSetting<typename NumberTraits<Real>:
                                   const Set& set, LaneState<Real, C>& w, MaskOf<Real> exist) {
   return begin_from<C>({Real(t.wi[0]), Real(t.wi[1]), Real(t.wi[2])}, t, set, w, exist);
 }
-
-/// Up to this chance of a first collision it is forced (the series for it is 1e-7 off there).
-inline constexpr double kForcedChance = 0.05;
 
 }  // namespace lamella

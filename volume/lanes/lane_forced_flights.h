@@ -1,0 +1,143 @@
+#pragma once
+
+// First flights that do not leave: the walk collides within its layer and goes on as the share of
+// the light that does; the rest is booked as if so much of the walk had left. No order of the first
+// ones depends on whether a walk is still there, so that lattices see a smooth function. Only for
+// sources of lamella_lanes().
+
+#include "volume/lanes/lane_pool.h"
+#include "volume/lanes/lane_step.h"
+
+namespace lamella::LAMELLA_ISA {
+
+/// Sums of floats per lane in fixed point, without 64-bit arithmetic: multiples of 2^-6 and what
+/// remains in multiples of 1 / kPointUnits. Terms up to kPointLimit, kMost of them.
+struct FixedPointLanes {
+  // Of up to 2^25 in `fine`.
+  static constexpr int kMost = 63;
+  alignas(64) std::uint32_t coarse[kLanes] = {}, fine[kLanes] = {};  // two's complement
+
+  struct Term {
+    Words coarse, fine;
+    LAMELLA_INLINE explicit Term(Floats x) {
+      coarse = to_nearest_words(x * Floats(0x1p6f));
+      const Floats rest = multiply_add(to_floats(coarse), Floats(-0x1p-6f), x);
+      fine = to_nearest_words(rest * Floats(0x1p32f));
+    }
+  };
+  LAMELLA_INLINE void add(const Term& term, FloatMask here) {
+    const auto add_to = [&](std::uint32_t* sums, Words x) LAMELLA_INLINE_LAMBDA {
+      const Words old = Words::load(sums);
+      select(to_word_mask(here), old + x, old).store(sums);
+    };
+    add_to(coarse, term.coarse);
+    add_to(fine, term.fine);
+  }
+  /// The sum in units of 1 / kPointUnits; begins anew.
+  [[nodiscard]] std::int64_t take() {
+    std::int64_t sum = 0;
+    for (int k = 0; k < kLanes; ++k)
+      sum += (std::int64_t{static_cast<std::int32_t>(coarse[k])} << 26) +
+             static_cast<std::int32_t>(fine[k]);
+    *this = {};
+    return sum;
+  }
+};
+
+/// The shares of walks that left on forced flights, on their way into the sums of a batch.
+class ForcedLeavers {
+ public:
+  /// Adds shares of walks after 1 to kForcedFlights - 1 events; `down` as the flight goes.
+  LAMELLA_INLINE void add(Floats shares, Words events, FloatMask down, FloatMask who) {
+    const FixedPointLanes::Term term(shares);
+    for (std::uint32_t k = 1; k < kForcedFlights; ++k) {
+      const FloatMask here = who & to_float_mask(equal(events, Words(k)));
+      if (!any(here)) continue;
+      shares_[0][k - 1].add(term, without(here, down));
+      shares_[1][k - 1].add(term, here & down);
+    }
+    ++terms_;
+  }
+  [[nodiscard]] LAMELLA_INLINE bool is_full() const { return terms_ == FixedPointLanes::kMost; }
+  /// to: LaneSums::forced.
+  [[gnu::noinline]] void empty(std::int64_t* to) {
+    for (auto& side : shares_)
+      for (FixedPointLanes& sum : side) *to++ += sum.take();
+    terms_ = 0;
+  }
+
+ private:
+  int terms_ = 0;
+  FixedPointLanes shares_[2][kForcedFlights - 1] = {};
+};
+
+/// 1 - exp(-tau), relative error below 6e-7, for 0 <= tau <= 80.
+LAMELLA_INLINE Floats collision_chance(Floats tau) {
+  constexpr float kSmall = 0.35f;  // where its series is
+  Floats series = multiply_add(-tau, Floats(1.0f / 5040), Floats(1.0f / 720));
+  for (const float term : {1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f})
+    series = multiply_add(-tau, series, Floats(term));
+  return select(tau < Floats(kSmall), tau * series, Floats(1) - exp(-tau));
+}
+
+/// The mean free paths to a collision that has this chance within the way, by the uniform word.
+LAMELLA_INLINE Floats forced_length(Floats chance, Words word) {
+  constexpr float kSmall = 0.05f;
+  const Floats u = fine_uniform_of(word), x = chance * (Floats(1) - u);
+  // -log(1 - x) by its series
+  Floats series = multiply_add(x, Floats(0.2f), Floats(0.25f));
+  series = multiply_add(x, series, Floats(1.0f / 3));
+  series = multiply_add(x, series, Floats(0.5f));
+  series = multiply_add(x * x, series, x);
+  const Floats left = multiply_add(chance, u, Floats(1) - chance);
+  return select(x < Floats(kSmall), series, -log(max(left, Floats(1e-30f))));
+}
+
+/// Whether a loop has flights that are forced, where the setting asks for them.
+template <class Set, class Score>
+[[nodiscard]] constexpr bool forces_flights() {
+  if constexpr (requires { Score::kForces; })
+    return Score::kForces && Set::kSingle && !Set::kBounded && !kRefuses<Set>;
+  else
+    return false;
+}
+
+/// The flight that follows an event, forced up to WalkSetting::forced_flights. w.weight[0] is the
+/// share of the walk that goes on; where little is left of it, roulette ends it as an event does.
+/// kFull: see scatter.
+template <bool kFull, class Set, class Score>
+LAMELLA_INLINE void fly_forced(const WalkSetting<float>& t, const Set& set, LaneState<Floats, 0>& w,
+                               const LaneDraws<Floats>& draws, FloatMask active,
+                               LaneEnds<Floats>& now, const Score& score) {
+  constexpr float kLittle = 0.05f;
+  const FloatMask flies = kFull ? now.lives : active & now.lives;
+  const FloatMask forced = flies & to_float_mask(is_below(w.order, Words(t.forced_flights)));
+  const Floats inverse = set.medium.inverse_area(w.wi);
+  // One number per step, whatever becomes of the walk.
+  const Floats luck = uniform_of(w.numbers.next());
+  Floats length = draws.remaining;
+  FloatMask dies = without(forced, forced);
+  if (any(forced)) {
+    const FloatMask down = w.wi.z > Floats(0);
+    const Floats way = select(down, set.depth - w.y, w.y);
+    // Never 0 times infinity.
+    const Floats rate = reciprocal(max(inverse * abs(w.wi.z), Floats(1e-30f)));
+    const Floats tau = min(way * min(rate, Floats(1e30f)), Floats(80));
+    const Floats chance = collision_chance(tau), stays = w.weight[0] * chance;
+    score.leave(w.weight[0] - stays, w.order, down, forced);
+    length = select(forced, forced_length(chance, draws.words[0]), length);
+    const FloatMask little = forced & (stays < Floats(kLittle));
+    dies = little & (luck * Floats(kLittle) >= stays);
+    w.weight[0] = select(forced, select(little, Floats(kLittle), stays), w.weight[0]);
+  }
+  const Floats to = multiply_add(length * inverse, w.wi.z, w.y);
+  const FloatMask inside = is_within(to, set.depth);
+  // What rounding sends out collides at the end of the way.
+  w.y = select(forced, min(nonnegative(to), set.depth), to);
+  const FloatMask goes_on = without(flies & (forced | inside), dies);
+  now.lives = without(now.lives, dies);
+  now.gone = now.gone | dies;
+  now.ends = kFull ? !goes_on : without(active, goes_on);
+}
+
+}  // namespace lamella::LAMELLA_ISA
