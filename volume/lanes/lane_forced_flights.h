@@ -5,6 +5,7 @@
 // ones depends on whether a walk is still there, so that lattices see a smooth function. Only for
 // sources of lamella_lanes().
 
+#include "phase/random/lane_truncated.h"
 #include "volume/lanes/lane_pool.h"
 #include "volume/lanes/lane_step.h"
 
@@ -71,28 +72,6 @@ class ForcedLeavers {
   FixedPointLanes shares_[2][kForcedFlights - 1] = {};
 };
 
-/// 1 - exp(-tau), relative error below 6e-7, for 0 <= tau <= 80.
-LAMELLA_INLINE Floats collision_chance(Floats tau) {
-  constexpr float kSmall = 0.35f;  // where its series is
-  Floats series = multiply_add(-tau, Floats(1.0f / 5040), Floats(1.0f / 720));
-  for (const float term : {1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f})
-    series = multiply_add(-tau, series, Floats(term));
-  return select(tau < Floats(kSmall), tau * series, Floats(1) - exp(-tau));
-}
-
-/// The mean free paths to a collision that has this chance within the way, by the uniform word.
-LAMELLA_INLINE Floats forced_length(Floats chance, Words word) {
-  constexpr float kSmall = 0.05f;
-  const Floats u = fine_uniform_of(word), x = chance * (Floats(1) - u);
-  // -log(1 - x) by its series
-  Floats series = multiply_add(x, Floats(0.2f), Floats(0.25f));
-  series = multiply_add(x, series, Floats(1.0f / 3));
-  series = multiply_add(x, series, Floats(0.5f));
-  series = multiply_add(x * x, series, x);
-  const Floats left = multiply_add(chance, u, Floats(1) - chance);
-  return select(x < Floats(kSmall), series, -log(max(left, Floats(1e-30f))));
-}
-
 /// Whether a loop has flights that are forced, where the setting asks for them.
 template <class Set, class Score>
 [[nodiscard]] constexpr bool forces_flights() {
@@ -109,7 +88,7 @@ template <bool kFull, class Set, class Score>
 LAMELLA_INLINE void fly_forced(const WalkSetting<float>& t, const Set& set, LaneState<Floats, 0>& w,
                                const LaneDraws<Floats>& draws, FloatMask active,
                                LaneEnds<Floats>& now, const Score& score) {
-  constexpr float kLittle = 0.05f;
+  constexpr float kLittle = 0.15f;
   const FloatMask flies = kFull ? now.lives : active & now.lives;
   const FloatMask forced = flies & to_float_mask(is_below(w.order, Words(t.forced_flights)));
   const Floats inverse = set.medium.inverse_area(w.wi);
@@ -125,7 +104,7 @@ LAMELLA_INLINE void fly_forced(const WalkSetting<float>& t, const Set& set, Lane
     const Floats tau = min(way * min(rate, Floats(1e30f)), Floats(80));
     const Floats chance = collision_chance(tau), stays = w.weight[0] * chance;
     score.leave(w.weight[0] - stays, w.order, down, forced);
-    length = select(forced, forced_length(chance, draws.words[0]), length);
+    length = select(forced, truncated_exponential_of(chance, draws.words[0]), length);
     const FloatMask little = forced & (stays < Floats(kLittle));
     dies = little & (luck * Floats(kLittle) >= stays);
     w.weight[0] = select(forced, select(little, Floats(kLittle), stays), w.weight[0]);

@@ -4,6 +4,7 @@
 #include "phase/lanes/lane_erf.h"
 #include "phase/lanes/lane_math.h"
 #include "phase/random/lane_random.h"
+#include "phase/random/lane_truncated.h"
 
 namespace lamella::LAMELLA_ISA {
 
@@ -86,6 +87,15 @@ void probe_words(const std::uint32_t* words, float* uniform, float* signed_unifo
     const auto [s, c] = azimuth_of(bits);
     s.store(sine + i);
     c.store(cosine + i);
+  }
+}
+
+void probe_truncated(const float* tau, const std::uint32_t* words, float* chance, float* length,
+                     std::size_t count) {
+  for (std::size_t i = 0; i < count; i += kStep) {
+    const Floats collides = collision_chance(Floats::load(tau + i));
+    collides.store(chance + i);
+    truncated_exponential_of(collides, Words::load(words + i)).store(length + i);
   }
 }
 

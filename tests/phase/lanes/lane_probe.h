@@ -39,6 +39,10 @@ LAMELLA_LANE_FUNCTION(void, probe_words,
                       (const std::uint32_t* words, float* uniform, float* signed_uniform,
                        float* fine, float* exponential, float* sine, float* cosine,
                        std::size_t count))
+/// phase/random/lane_truncated.h: the chance of a collision within tau, and where one is by a word.
+LAMELLA_LANE_FUNCTION(void, probe_truncated,
+                      (const float* tau, const std::uint32_t* words, float* chance, float* length,
+                       std::size_t count))
 /// Words below 2^31, floats by their bits: bits 0 and 1 of conditions[i] are is_below(a, b) and
 /// is_within(x, limit) of those at i; xors: xor_of(a, b, 0x5A5A1234).
 LAMELLA_LANE_FUNCTION(void, probe_conditions,

@@ -171,6 +171,32 @@ TEST_P(Lanes, WhatIsDrawnFromWordsKeepsItsStatedErrors) {
   }
 }
 
+// Against the distribution's inverse in double, from thin ways to those that nothing crosses.
+TEST_P(Lanes, TruncatedExponentialsEndWithinTheWay) {
+  std::vector<float> tau(kMany), chance(kMany), length(kMany);
+  std::vector<std::uint32_t> words(kMany);
+  RandomStream stream(1, 2, StreamPurpose::walk);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    tau[i] = i == 0 ? 0 : static_cast<float>(std::exp(std::log(80.0) * (3 * stream.uniform() - 2)));
+    words[i] = i % 16 == 1   ? 0
+               : i % 16 == 2 ? 0xFFFFFFFFu
+                             : static_cast<std::uint32_t>(0x1p32 * stream.uniform());
+  }
+  probe_truncated_for(GetParam())(tau.data(), words.data(), chance.data(), length.data(), kMany);
+  EXPECT_EQ(chance[0], 0);
+  EXPECT_EQ(length[0], 0);
+  for (std::size_t i = 1; i < kMany; ++i) {
+    const double exact = -std::expm1(-static_cast<double>(tau[i]));
+    EXPECT_NEAR(chance[i] / exact, 1, 6e-7) << tau[i];
+    // A word stands for what it is rounded to, and the largest numbers for what rounding leaves.
+    const double u = static_cast<double>(static_cast<float>(fine_uniform_of(words[i])));
+    const double c = chance[i], x = c * (1 - u);
+    const double to = x < 0.5 ? -std::log1p(-x) : -std::log(1 - c + c * u);
+    EXPECT_NEAR(length[i], to, 3e-6 * to + 2e-7 * c) << tau[i] << ' ' << words[i];
+    EXPECT_GE(length[i], 0);
+  }
+}
+
 // At the ends of what they are for, and everywhere between.
 TEST_P(Lanes, ComparisonsAreThoseOfTheScalarNumbers) {
   std::vector<std::uint32_t> a(kMany), b(kMany), conditions(kMany), xors(kMany);
