@@ -191,10 +191,12 @@ void measure_sampling(const BenchmarkEffort& effort, std::uint64_t seed, const R
                                 "/cells");
       for (std::size_t lobe = 0; lobe < kSampledCount; ++lobe)
         report_sampling(what, pairs, lobe, &SampledVariance::cells, report);
-      if (sampled != Sampled::counted_cells) continue;
+      if (sampled == Sampled::points) continue;
+      const std::string energies =
+          std::string(name) +
+          (sampled == Sampled::counted_cells ? "/energy" : "/next-event/energy");
       for (std::size_t lobe = 0; lobe < kSampledCount; ++lobe)
-        report_sampling(std::string(name) + "/energy", pairs, lobe, &SampledVariance::energy,
-                        report);
+        report_sampling(energies, pairs, lobe, &SampledVariance::energy, report);
     }
   }
 }

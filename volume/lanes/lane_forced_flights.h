@@ -1,6 +1,6 @@
 #pragma once
 
-// First flights that do not leave: the walk collides within its layer and goes on as the share of
+// First flights that do not leave: the walk collides within the stack and goes on as the share of
 // the light that does; the rest is booked as if so much of the walk had left. No order of the first
 // ones depends on whether a walk is still there, so that lattices see a smooth function. Only for
 // sources of lamella_lanes().
@@ -76,47 +76,99 @@ class ForcedLeavers {
 template <class Set, class Score>
 [[nodiscard]] constexpr bool forces_flights() {
   if constexpr (requires { Score::kForces; })
-    return Score::kForces && Set::kSingle && !Set::kBounded && !kRefuses<Set>;
+    return Score::kForces && !Set::kBounded && !Set::kCountsSteps;
   else
     return false;
 }
 
-/// The flight that follows an event, forced up to WalkSetting::forced_flights. w.weight[0] is the
-/// share of the walk that goes on; where little is left of it, roulette ends it as an event does.
-/// kFull: see scatter.
+/// What forcing makes of flights.
+struct ForcedShare {
+  FloatMask forced, dies;  ///< which flights are forced; of which walks roulette leaves nothing
+  Floats remaining;        ///< mean free paths to the collision, of all flights
+};
+
+/// Forces the flights, of the lanes `flies`, that follow the first events. w.weight[0] is the share
+/// of the walk that goes on; where little is left of it, roulette ends the walk as an event does.
+/// depth(down): the optical depth from where walks are to where they would leave.
+template <class Score, class Depth>
+LAMELLA_INLINE ForcedShare force(const WalkSetting<float>& t, LaneState<Floats, 0>& w,
+                                 const LaneDraws<Floats>& draws, FloatMask flies,
+                                 LaneEnds<Floats>& now, const Score& score, const Depth& depth) {
+  constexpr float kLittle = 0.15f;
+  const FloatMask none = without(flies, flies);
+  ForcedShare share{flies & to_float_mask(is_below(w.order, Words(t.forced_flights))), none,
+                    draws.remaining};
+  // One number per step, whatever becomes of the walk.
+  const Floats luck = uniform_of(w.numbers.next());
+  if (!any(share.forced)) return share;
+  const FloatMask down = w.wi.z > Floats(0);
+  const Floats chance = collision_chance(min(depth(down), Floats(80)));
+  const Floats stays = w.weight[0] * chance;
+  score.leave(w.weight[0] - stays, w.order, down, share.forced);
+  const FloatMask little = share.forced & (stays < Floats(kLittle));
+  share.dies = little & (luck * Floats(kLittle) >= stays);
+  w.weight[0] = select(share.forced, select(little, Floats(kLittle), stays), w.weight[0]);
+  share.remaining =
+      select(share.forced, truncated_exponential_of(chance, draws.words[0]), share.remaining);
+  now.lives = without(now.lives, share.dies);
+  now.gone = now.gone | share.dies;
+  return share;
+}
+
+/// Optical depth per length of a way whose 1 / sigma is `inverse`. Never infinite.
+LAMELLA_INLINE Floats rate_of(Floats inverse, Floats wz) {
+  return min(reciprocal(max(inverse * abs(wz), Floats(1e-30f))), Floats(1e30f));
+}
+
+/// The flight within one layer that follows an event. kFull: see scatter.
 template <bool kFull, class Set, class Score>
 LAMELLA_INLINE void fly_forced(const WalkSetting<float>& t, const Set& set, LaneState<Floats, 0>& w,
                                const LaneDraws<Floats>& draws, FloatMask active,
                                LaneEnds<Floats>& now, const Score& score) {
-  constexpr float kLittle = 0.15f;
   const FloatMask flies = kFull ? now.lives : active & now.lives;
-  const FloatMask forced = flies & to_float_mask(is_below(w.order, Words(t.forced_flights)));
   const Floats inverse = set.medium.inverse_area(w.wi);
-  // One number per step, whatever becomes of the walk.
-  const Floats luck = uniform_of(w.numbers.next());
-  Floats length = draws.remaining;
-  FloatMask dies = without(forced, forced);
-  if (any(forced)) {
-    const FloatMask down = w.wi.z > Floats(0);
-    const Floats way = select(down, set.depth - w.y, w.y);
-    // Never 0 times infinity.
-    const Floats rate = reciprocal(max(inverse * abs(w.wi.z), Floats(1e-30f)));
-    const Floats tau = min(way * min(rate, Floats(1e30f)), Floats(80));
-    const Floats chance = collision_chance(tau), stays = w.weight[0] * chance;
-    score.leave(w.weight[0] - stays, w.order, down, forced);
-    length = select(forced, truncated_exponential_of(chance, draws.words[0]), length);
-    const FloatMask little = forced & (stays < Floats(kLittle));
-    dies = little & (luck * Floats(kLittle) >= stays);
-    w.weight[0] = select(forced, select(little, Floats(kLittle), stays), w.weight[0]);
-  }
-  const Floats to = multiply_add(length * inverse, w.wi.z, w.y);
+  const ForcedShare share =
+      force(t, w, draws, flies, now, score, [&](FloatMask down) LAMELLA_INLINE_LAMBDA {
+        return select(down, set.depth - w.y, w.y) * rate_of(inverse, w.wi.z);
+      });
+  const Floats to = multiply_add(share.remaining * inverse, w.wi.z, w.y);
   const FloatMask inside = is_within(to, set.depth);
   // What rounding sends out collides at the end of the way.
-  w.y = select(forced, min(nonnegative(to), set.depth), to);
-  const FloatMask goes_on = without(flies & (forced | inside), dies);
-  now.lives = without(now.lives, dies);
-  now.gone = now.gone | dies;
+  w.y = select(share.forced, min(nonnegative(to), set.depth), to);
+  const FloatMask goes_on = without(flies & (share.forced | inside), share.dies);
   now.ends = kFull ? !goes_on : without(active, goes_on);
+}
+
+/// The optical depth from where walks are to where they would leave a stack of several layers.
+LAMELLA_INLINE Floats depth_to_exit(const AnyMedia<Floats>& set, const LaneState<Floats, 0>& w,
+                                    FloatMask down) {
+  Floats sum(0);
+  for (int k = 0; k < set.t.layer_count; ++k) {
+    const Words layer(static_cast<std::uint32_t>(k));
+    const Floats depth(set.t.layers->value[kDepth][k]);
+    const WordMask here = equal(w.layer, layer);
+    const FloatMask beyond = (down & to_float_mask(is_below(w.layer, layer))) |
+                             without(to_float_mask(is_below(layer, w.layer)), down);
+    const Floats way = select(to_float_mask(here), select(down, depth - w.y, w.y),
+                              select(beyond, depth, Floats(0)));
+    sum = multiply_add(way, rate_of(set.inverse_area(layer, w.wi), w.wi.z), sum);
+  }
+  return sum;
+}
+
+/// Gives flights that rounding sent out of a stack their collision at the end of the way.
+LAMELLA_INLINE void keep_inside(const AnyMedia<Floats>& set, LaneState<Floats, 0>& w,
+                                const ForcedShare& share, FloatMask lives,
+                                AnyMedia<Floats>::Flight& flight) {
+  const FloatMask out = without(share.forced & lives, flight.collides);
+  if (!any(out)) return;
+  const int last = set.t.layer_count - 1;
+  w.layer =
+      select(to_word_mask(out),
+             select(to_word_mask(flight.down), Words(static_cast<std::uint32_t>(last)), Words(0u)),
+             w.layer);
+  w.y = select(out, select(flight.down, Floats(set.t.layers->value[kDepth][last]), Floats(0)), w.y);
+  flight.collides = flight.collides | out;
 }
 
 }  // namespace lamella::LAMELLA_ISA

@@ -163,7 +163,7 @@ template <bool kFull, int C, class Set, class Score>
 LAMELLA_INLINE void fly_on(const LoopSetting<C, Set, Score>& s, LaneState<Floats, C>& w,
                            const LaneDraws<Floats>& draws, FloatMask active,
                            LaneEnds<Floats>& now) {
-  if constexpr (C == 0 && forces_flights<Set, Score>())
+  if constexpr (C == 0 && Set::kSingle && forces_flights<Set, Score>())
     if (s.task.walk.forced_flights > 0)
       return fly_forced<kFull>(s.task.walk, s.set, w, draws, active, now, s.score);
   fly<C, kFull>(s.set, w, draws, active, now);
@@ -296,8 +296,11 @@ template <int C, class Set, class Score>
 LAMELLA_INLINE void by_turns(const LoopSetting<C, Set, Score>& s, LaneWalks<C> (&all)[kSets],
                              typename LoopSetting<C, Set, Score>::Ended& ended,
                              LoopTotals& totals) {
+  constexpr bool kForces = C == 0 && forces_flights<Set, Score>();
+  const bool forces = kForces && s.task.walk.forced_flights > 0;
   typename Set::Flight flights[kSets];
   LaneEnds<Floats> now[kSets];
+  ForcedShare shares[kForces ? kSets : 1];
   for (int k = 0; k < kSets; ++k) {
     const FloatMask active = !all[k].free;
     flights[k].flies = without(active, active);
@@ -306,6 +309,13 @@ LAMELLA_INLINE void by_turns(const LoopSetting<C, Set, Score>& s, LaneWalks<C> (
     LaneDraws<Floats> draws;
     draw(s.task.walk, s.set, w, draws);
     now[k] = scatter(s.task.walk, s.set, w, draws, active, s.score);
+    if constexpr (kForces) {
+      if (forces) {
+        shares[k] = force(s.task.walk, w, draws, active & now[k].lives, now[k], s.score,
+                          [&](FloatMask down) { return depth_to_exit(s.set, w, down); });
+        draws.remaining = shares[k].remaining;
+      }
+    }
     flights[k] = s.set.begin_flight(w.wi, draws.remaining, active & now[k].lives, w.layer, w.y);
   }
   for (bool flying = true; flying;) {
@@ -318,6 +328,8 @@ LAMELLA_INLINE void by_turns(const LoopSetting<C, Set, Score>& s, LaneWalks<C> (
   for (int k = 0; k < kSets; ++k) {
     if (all[k].free_count == kLanes) continue;
     const FloatMask active = !all[k].free;
+    if constexpr (kForces)
+      if (forces) keep_inside(s.set, all[k].state, shares[k], now[k].lives, flights[k]);
     now[k].ends = without(active, flights[k].collides);
     count_ends<false>(s, all[k], now[k], active, ended, totals);
     ++totals.steps;

@@ -44,7 +44,8 @@ LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction i
       counts_(batches) {
   task_.weights = !setting_.common_albedo;
   task_.one_medium = setting_.parts.size() == 1 && !task_.weights && !bounded_;
-  if (!counted && task_.one_medium && sampling_ == Sampling::rqmc && !thinning_.is_on())
+  const bool leaves_by_flights = !task_.weights && !bounded_ && !stack.substrate;
+  if (!counted && leaves_by_flights && sampling_ == Sampling::rqmc && !thinning_.is_on())
     setting_.force_flights();
   task_.walk = setting_.walk;
   walk_ = lane_loop_of(task_, plan.isa);

@@ -330,6 +330,7 @@ LaneSetting<Scalar>::LaneSetting(const Stack& stack, const Plan& plan, Direction
 template <class Scalar>
 void LaneSetting<Scalar>::force_flights() {
   walk.forced_flights = kForcedFlights;
+  walk.by_layer = false;
   walk.collides_at_once = true;
   chance = collides;
   walk.forced_chance = static_cast<Scalar>(collides);

@@ -64,7 +64,8 @@ struct LaneSetting {
   double collides = 1;  ///< the chance of a first collision, where there are no boundaries
   double chance = 1;    ///< the same where it is forced, else 1
 
-  /// Forces the first kForcedFlights flights: of walks without weights through one layer.
+  /// Forces the first kForcedFlights flights: of walks without weights over no substrate, each in
+  /// its own layer.
   void force_flights();
 };
 

@@ -50,6 +50,20 @@ const std::vector<ForcedCase>& forced_cases() {
       {"a half space of one-sided flakes",
        layer("medium = 'vmf_flake'\nroughness = 0.3\nalbedo = 0.9\nthickness = inf"), 60},
       {"colour", layer("medium = 'rayleigh'\nalbedo = [0.95, 0.5, 0]\nthickness = 0.7"), 50},
+      {"layers of several media",
+       layer("medium = 'vmf_flake'\nroughness = 0.5\nalbedo = 0.9\nthickness = 0.3") +
+           layer(kSpheres + "0.2") +
+           layer("medium = 'sggx'\nroughness = 0.5\nalbedo = 0.9\nthickness = 1"),
+       60},
+      {"layers from below",
+       layer(kSpheres + "0.7") +
+           layer("medium = 'henyey_greenstein'\ng = 0.7\nalbedo = 0.9\nthickness = 0.5"),
+       130},
+      {"coloured layers, the last without an end",
+       layer("medium = 'sggx'\nshape = 'fiber'\nroughness = 0.4\nalbedo = [0.9, 0.6, 0.2]\n"
+             "thickness = 0.5") +
+           layer("medium = 'lambert_sphere'\nalbedo = [0.9, 0.6, 0.2]\nthickness = inf"),
+       30},
       {"black", layer("medium = 'lambert_sphere'\nalbedo = 0\nthickness = 0.7"), 50},
   };
   return list;
