@@ -32,11 +32,15 @@ struct ZeroTerm {
         fine(std::llround((f - static_cast<double>(coarse) * 0x1p-6) * 0x1p40)) {}
 };
 
+bool is_next_event(LaneEstimate estimate) {
+  return estimate == LaneEstimate::points || estimate == LaneEstimate::cells_next_event;
+}
+
 }  // namespace
 
-LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction incident,
+LaneRun::LaneRun(LaneEstimate estimate, const Stack& stack, const Plan& plan, Direction incident,
                  std::uint64_t seed, int batches)
-    : setting_(stack, plan, incident, seed, counted),
+    : setting_(stack, plan, incident, seed, !is_next_event(estimate)),
       sampling_(plan.sampling),
       bounded_(plan.boundaries),
       thinning_(plan.thinning),
@@ -44,9 +48,8 @@ LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction i
       counts_(batches) {
   task_.weights = !setting_.common_albedo;
   task_.one_medium = setting_.parts.size() == 1 && !task_.weights && !bounded_;
-  const bool leaves_by_flights = !task_.weights && !bounded_ && !stack.substrate;
-  if (!counted && leaves_by_flights && sampling_ == Sampling::rqmc && !thinning_.is_on())
-    setting_.force_flights();
+  task_.estimate = estimate;
+  if (forces_flights(stack)) setting_.force_flights();
   task_.walk = setting_.walk;
   walk_ = lane_loop_of(task_, plan.isa);
   task_.channels = plan.channels;
@@ -64,6 +67,14 @@ LaneRun::LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction i
     c.shares.resize(c.ends.size());
     c.forced.resize(std::size_t{2} * (kForcedFlights - 1));
   }
+}
+
+bool LaneRun::forces_flights(const Stack& stack) const {
+  if (!is_next_event(task_.estimate) || sampling_ != Sampling::rqmc || thinning_.is_on())
+    return false;
+  if (task_.weights || bounded_ || stack.substrate) return false;
+  // Points of several layers lose more by longer walks, each in its own layer, than they gain.
+  return task_.one_medium || task_.estimate == LaneEstimate::cells_next_event;
 }
 
 void LaneRun::tabulate_weights(int channel) {
@@ -86,7 +97,9 @@ void LaneRun::tabulate_weights(int channel) {
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches, const CellTargets& cells, Estimator estimator)
-    : LaneRun(estimator == Estimator::analog, stack, plan, incident, seed, batches) {
+    : LaneRun(estimator == Estimator::analog ? LaneEstimate::cells_counted
+                                             : LaneEstimate::cells_next_event,
+              stack, plan, incident, seed, batches) {
   cells_ = cells;
   const CellGrid& grid = cells.grid;
   LaneCells& to = task_.cells;
@@ -99,13 +112,11 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
   to.phi_cells = grid.phi_cells;
   to.azimuth_turns = static_cast<float>(cells.incident_azimuth / (2 * kPi));
   if (estimator == Estimator::analog) {
-    task_.estimate = LaneEstimate::cells_counted;
     for (Counts& c : counts_)
       c.cells.resize(static_cast<std::size_t>(slots()) * task_.channels * cells.count() +
                      c.ends.size());
     return;
   }
-  task_.estimate = LaneEstimate::cells_next_event;
   if (bounded_) {
     task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_along_ways(stack, plan)));
     ways_.emplace(stack, plan, seed, batches, cells_);
@@ -133,9 +144,9 @@ LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::
 
 LaneRun::LaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
                  int batches, const std::vector<Direction>& points)
-    : LaneRun(points.empty(), stack, plan, incident, seed, batches) {
+    : LaneRun(points.empty() ? LaneEstimate::energies : LaneEstimate::points, stack, plan, incident,
+              seed, batches) {
   if (points.empty()) return;
-  task_.estimate = LaneEstimate::points;
   if (bounded_) {
     task_.term_scale = static_cast<float>(std::ldexp(1.0, -coarser_bits_along_ways(stack, plan)));
     ways_.emplace(stack, plan, incident, seed, batches, points);

@@ -87,8 +87,10 @@ class LaneRun {
   /// The index of the first walk of a batch with a number that is not finite, if there is one.
   [[nodiscard]] std::optional<std::uint64_t> first_not_finite(LaneWalkTask task,
                                                               LaneBatch batch) const;
-  LaneRun(bool counted, const Stack& stack, const Plan& plan, Direction incident,
+  LaneRun(LaneEstimate estimate, const Stack& stack, const Plan& plan, Direction incident,
           std::uint64_t seed, int batches);
+  /// Whether the first flights are, see volume/lanes/lane_forced_flights.h.
+  [[nodiscard]] bool forces_flights(const Stack& stack) const;
   void trace(const Stack& stack, const std::vector<Direction>& points);
   /// Next-event estimation through interfaces, by `ways_`.
   void aim_along_ways(Isa isa);
