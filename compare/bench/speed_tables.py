@@ -216,6 +216,7 @@ def sampling(release):
     rows = []
     for stack in SAMPLED:
         for what, words in (("next-event/cells", "cells, next-event"), ("points", "f at points, next-event"),
+                            ("next-event/energy", "energy, next-event"),
                             ("analog/cells", "cells, counted"), ("energy", "energy, counted")):
             line, slopes = [f"`{stack}`", words], []
             for order in ("order1", "order2", "order3", "order4plus", "all"):
