@@ -133,6 +133,14 @@ class LayerWriter {
     const double width = 1 / std::sqrt(kappa + 1);
     set(kWidth, width);
     set(kReach, 1 / std::min(1.0, kLargestBehind * width));
+    const double facing = facing_cosine(kappa);
+    set(kFacing, facing);
+    set(kHidden, facing > 1 ? 2 : std::sin(2 * std::atan(kLargestBehind * width)));
+    const TiltSeries<double> tilt = tilt_series(kappa);
+    set(kTilt, tilt.first);
+    set(kTilt + 1, tilt.second);
+    set(kTilt + 2, tilt.third);
+    to_.walk.narrow = to_.walk.narrow || facing < 1;
     auto& tables = to_.tables;
     if (tables.empty()) tables = side_sheets();
     set(kTable, static_cast<double>(tables.size()));
