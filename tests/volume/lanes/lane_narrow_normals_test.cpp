@@ -140,7 +140,7 @@ Plan plan_for(const Stack& stack, Isa isa, WalkLimits limits = {}) {
   return plan;
 }
 
-// Tilted flakes, light from within the domain, from both sides of its edge, and along the flakes.
+// Tilted flakes, light from within the domain and from both sides of its edge.
 TEST_P(NarrowFlakes, WalkAsScalarWalksDo) {
   const Direction axis = normalized(Direction{0.3, 0.2, 0.9});
   for (const double alpha : kAlphas)
@@ -148,7 +148,7 @@ TEST_P(NarrowFlakes, WalkAsScalarWalksDo) {
       const Stack stack =
           stack_from(layer(flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'"));
       const double least = facing_cosine(vmf_concentration(alpha));
-      for (const double u : {0.95, least * 1.01, least * 0.99, 0.0}) {
+      for (const double u : {0.95, least * 1.01, least * 0.99}) {
         const Direction wi = light_at(axis, u);
         const auto walked = [&](Isa isa, std::uint64_t seed) {
           Simulation s(stack, plan_for(stack, isa), wi, Estimator::analog, CellGrid{3, 4, false},
@@ -192,7 +192,7 @@ TEST_P(NarrowFlakes, WalkInFloatAsInDouble) {
   for (const double alpha : kAlphas) {
     const Stack stack = stack_from(layer(flakes_of(alpha, axis) + "albedo = 0.9"));
     const double least = facing_cosine(vmf_concentration(alpha));
-    for (const double u : {0.99, least * 1.01, least * 0.99}) {
+    for (const double u : {0.99, least * 1.01, least * 0.99, 0.0}) {
       const Plan plan = plan_for(stack, GetParam(), {.max_order = 300});
       constexpr std::uint64_t kWalks = 20000;
       Simulation lanes(stack, plan, light_at(axis, u), Estimator::analog, CellGrid{2, 4, false}, 3);
