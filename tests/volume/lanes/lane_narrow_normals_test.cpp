@@ -163,6 +163,32 @@ TEST_P(NarrowFlakes, WalkAsScalarWalksDo) {
     }
 }
 
+// Layers of both widths and kinds, by turns and each lane in its own; under interfaces, too.
+TEST_P(NarrowFlakes, WalkThroughLayersAsScalarWalksDo) {
+  const Direction axis = normalized(Direction{0.3, 0.2, 0.9});
+  const auto flakes = [&](double alpha, const char* kind) {
+    return layer(flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'");
+  };
+  const std::string coat = layer("interface = 'ggx'\nroughness = 0.2\nior = 1.4");
+  for (const std::string& toml :
+       {flakes(0.01, "mirror") + flakes(0.5, "lambert") + "[substrate]\nalbedo = 0.7\n",
+        flakes(0.2, "lambert") + layer("medium = 'sggx'\nroughness = 0.3\nthickness = 1"),
+        coat + flakes(0.05, "lambert"), coat + flakes(0.01, "mirror")})
+    for (const LayerTurns turns : {LayerTurns::always, LayerTurns::never}) {
+      const Stack stack = stack_from(toml);
+      const auto walked = [&](Isa isa, std::uint64_t seed) {
+        Plan plan = plan_for(stack, isa);
+        plan.layer_turns = turns;
+        Simulation s(stack, plan, direction_from_degrees(30, 50), Estimator::analog,
+                     CellGrid{3, 4, false}, seed);
+        s.advance(testing::soaked(40000));
+        EXPECT_EQ(s.isa(), isa);
+        return reduce(s);
+      };
+      testing::expect_same_lobes(walked(GetParam(), 1), walked(Isa::scalar, 2), toml);
+    }
+}
+
 TEST_P(NarrowFlakes, SendLightAsScalarWalksDo) {
   const Direction axis = normalized(Direction{0.3, 0.2, 0.9});
   for (const double alpha : {0.05, 0.2})
