@@ -231,8 +231,9 @@ TEST_P(NarrowFlakes, WalkInFloatAsInDouble) {
           sum += exact[k].f[j];
           difference += std::abs(exact[k].f[j] - lanes.batches()[k].f[j]);
         }
-      // Walks near the edge of a cell, or of absorption, may take another turn: one in a thousand.
-      EXPECT_LT(difference, 1e-3 * sum) << alpha << ' ' << u;
+      // A walk near the edge of a cell takes another turn now and then, two terms of the sum: of
+      // these cases one does, and three more may.
+      EXPECT_LT(difference, 4e-4 * sum) << alpha << ' ' << u;
     }
   }
 }
