@@ -77,6 +77,11 @@ void measure_walks(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
 /// against the textbook loop with a coat, one thread.
 void measure_coats(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);
 
+/// Walks that are counted in cells, through vMF flakes of several widths that lean towards the
+/// light, against the scalar kernel, one thread.
+void measure_tilted_flakes(const BenchmarkEffort& effort, std::uint64_t seed,
+                           const ReportRow& report);
+
 /// Walks that are kept one by one (volume/run/sample_run.h), in memory, against the same walks
 /// counted in cells, one thread.
 void measure_samples(const BenchmarkEffort& effort, std::uint64_t seed, const ReportRow& report);

@@ -159,6 +159,17 @@ def coats(release):
     return table(["below the coat", "events per walk", "meetings with the coat", *SET_NAMES.values()], rows)
 
 
+def tilted(release):
+    rows = []
+    for flake, name in (("mirror", "mirrors"), ("lambert", "Lambertian")):
+        for alpha in ("0.005", "0.05", "0.2", "0.5"):
+            what = f"tilted vMF {flake} {alpha}/walk+cells"
+            cells = [(digits(release.get(what, "ns_per_walk", isa), 3), digits(release.ratio(what, isa), 3))
+                     for isa in ("avx2", "avx512")]
+            rows.append([f"{name}, alpha = {alpha}", *cells[0], *cells[1]])
+    return table(["flakes", "AVX2: ns per walk", "ratio", "AVX-512: ns per walk", "ratio"], rows)
+
+
 def engine(release):
     """What the list below the table of walks says."""
     occupied = [release.get(f"{stack}/walk+cells", "lane_occupancy") for stack, _ in WALKS]
@@ -314,8 +325,8 @@ def startup(release):
                    digits(1e-6 * r["peak_bytes"])] for r in rows])
 
 
-BLOCKS = {f.__name__: f for f in (measured, walks, directions, coats, engine, absorption, accuracy, sampling, order_one,
-                                  digits_of_solver, solver, grids, grains, models, startup)}
+BLOCKS = {f.__name__: f for f in (measured, walks, directions, coats, tilted, engine, absorption, accuracy, sampling,
+                                  order_one, digits_of_solver, solver, grids, grains, models, startup)}
 
 
 def main(source, check):

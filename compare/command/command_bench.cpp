@@ -128,16 +128,25 @@ void measure_walks_and_coats(const BenchmarkEffort& effort, std::uint64_t seed,
   measure_coats(effort, seed, report);
 }
 const std::vector<BenchPart>& parts() {
-  static const std::vector<BenchPart> list{
-      {"walks", measure_walks_and_coats}, {"samples", measure_samples},
-      {"mixed", measure_mixed},           {"plan", measure_plan},
-      {"threads", measure_threads},       {"accuracy", measure_accuracy},
-      {"roulette", measure_roulette},     {"thinning", measure_thinning},
-      {"sampling", measure_sampling},     {"order1", measure_order_one},
-      {"combined", measure_combination},  {"growth", measure_growth_of_walks},
-      {"solver", measure_deterministic},  {"grids", measure_grids},
-      {"models", measure_models},         {"tradeoff", measure_tradeoff},
-      {"grains", measure_grain_tracing},  {"startup", measure_startup}};
+  static const std::vector<BenchPart> list{{"walks", measure_walks_and_coats},
+                                           {"tilted", measure_tilted_flakes},
+                                           {"samples", measure_samples},
+                                           {"mixed", measure_mixed},
+                                           {"plan", measure_plan},
+                                           {"threads", measure_threads},
+                                           {"accuracy", measure_accuracy},
+                                           {"roulette", measure_roulette},
+                                           {"thinning", measure_thinning},
+                                           {"sampling", measure_sampling},
+                                           {"order1", measure_order_one},
+                                           {"combined", measure_combination},
+                                           {"growth", measure_growth_of_walks},
+                                           {"solver", measure_deterministic},
+                                           {"grids", measure_grids},
+                                           {"models", measure_models},
+                                           {"tradeoff", measure_tradeoff},
+                                           {"grains", measure_grain_tracing},
+                                           {"startup", measure_startup}};
   return list;
 }
 

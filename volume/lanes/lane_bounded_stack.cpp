@@ -23,7 +23,7 @@ bool walk_one_layer(const LaneWalkTask& t) {
       walk_medium<HenyeyGreensteinOnLanes>(t);
       return true;
     case LaneMediumKind::vmf_lambert:
-      walk_medium<VmfLambertOnLanes>(t);
+      t.walk.narrow ? walk_medium<NarrowVmfLambertOnLanes>(t) : walk_medium<VmfLambertOnLanes>(t);
       return true;
     default:
       return false;

@@ -281,8 +281,7 @@ struct LayeredWalks {
 
   void take_turn_in(int layer) {
     const WalkSetting<float>& t = s.task.walk;
-    with_lane_medium(lane_medium_of(t, layer), t.upright,
-                     [&]<template <class> class M>() { take_turn<M>(layer); });
+    with_lane_medium(t, layer, [&]<template <class> class M>() { take_turn<M>(layer); });
   }
 
   void run() {

@@ -37,7 +37,10 @@ enum LayerField {
   kReach,                ///< vMF: 1 / min(1, kLargestBehind width)
   kMean,                 ///< vMF: cosine of the mean normal with the axis
   kTable,                ///< vMF: where its tables begin, in patches, or in marginals' pieces
-  kAlbedo,               ///< three channels
+  kFacing,               ///< vMF: u from which on narrow flakes face the light; 2 for wide ones
+  kHidden,               ///< vMF: -u from which on light sees none of them; 2 for wide ones
+  kTilt,                 ///< vMF, narrow: TiltSeries (volume/lanes/lane_narrow_normals.h)
+  kAlbedo = kTilt + 3,   ///< three channels
   kF0 = kAlbedo + 3,     ///< three channels; 1 where there is no Fresnel factor
   kLayerFields = kF0 + 3
 };

@@ -19,7 +19,7 @@ void walk_medium(const LaneWalkTask& t) {
 }  // namespace
 
 void walk_lanes(const LaneWalkTask& t) {
-  with_lane_medium(lane_medium_of(t.walk, 0), t.walk.upright, [&]<template <class> class M>() {
+  with_lane_medium(t.walk, 0, [&]<template <class> class M>() {
     if constexpr (M<Floats>::kKind != LaneMediumKind::substrate) walk_medium<M>(t);
   });
 }

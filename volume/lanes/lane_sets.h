@@ -76,11 +76,19 @@ struct OneOfLayers {
   }
 };
 
-/// f.template operator()<M>(), M the medium of a kind, or the substrate. upright: all matrices are
-/// UprightSggxMatrix's.
-template <class F>
-LAMELLA_INLINE void with_lane_medium(LaneMediumKind kind, bool upright, const F& f) {
-  switch (kind) {
+/// The kind of a layer, or of the substrate below the last one.
+template <class Scalar>
+[[nodiscard]] LAMELLA_INLINE LaneMediumKind lane_medium_of(const WalkSetting<Scalar>& t,
+                                                           int layer) {
+  return layer == t.layer_count
+             ? LaneMediumKind::substrate
+             : static_cast<LaneMediumKind>(static_cast<int>(t.layers->value[kKind][layer]));
+}
+/// f.template operator()<M>(), M the medium of a layer, or the substrate.
+template <class Scalar, class F>
+LAMELLA_INLINE void with_lane_medium(const WalkSetting<Scalar>& t, int layer, const F& f) {
+  const bool upright = t.upright, narrow = t.layers->value[kFacing][layer % kMostLaneLayers] < 1;
+  switch (lane_medium_of(t, layer)) {
     case LaneMediumKind::lambert_sphere:
       return f.template operator()<LambertSphereOnLanes>();
     case LaneMediumKind::henyey_greenstein:
@@ -94,20 +102,14 @@ LAMELLA_INLINE void with_lane_medium(LaneMediumKind kind, bool upright, const F&
       return upright ? f.template operator()<UprightSggxLambertOnLanes>()
                      : f.template operator()<SggxLambertOnLanes>();
     case LaneMediumKind::vmf_mirror:
-      return f.template operator()<VmfMirrorOnLanes>();
+      return narrow ? f.template operator()<NarrowVmfMirrorOnLanes>()
+                    : f.template operator()<VmfMirrorOnLanes>();
     case LaneMediumKind::vmf_lambert:
-      return f.template operator()<VmfLambertOnLanes>();
+      return narrow ? f.template operator()<NarrowVmfLambertOnLanes>()
+                    : f.template operator()<VmfLambertOnLanes>();
     case LaneMediumKind::substrate:
       return f.template operator()<SubstrateOnLanes>();
   }
-}
-/// The kind of a layer, or of the substrate below the last one.
-template <class Scalar>
-[[nodiscard]] LAMELLA_INLINE LaneMediumKind lane_medium_of(const WalkSetting<Scalar>& t,
-                                                           int layer) {
-  return layer == t.layer_count
-             ? LaneMediumKind::substrate
-             : static_cast<LaneMediumKind>(static_cast<int>(t.layers->value[kKind][layer]));
 }
 
 /// Up to kMostLaneLayers layers of any media, perhaps over a substrate, whose layer is the count.
@@ -154,8 +156,13 @@ struct AnyMedia {
     visit_kind<RayleighOnLanes<Real>>(layer, kind, f);
     visit_kind<SggxMirrorOnLanes<Real>>(layer, kind, f);
     visit_kind<SggxLambertOnLanes<Real>>(layer, kind, f);
-    visit_kind<VmfMirrorOnLanes<Real>>(layer, kind, f);
-    visit_kind<VmfLambertOnLanes<Real>>(layer, kind, f);
+    if (t.narrow) {
+      visit_kind<NarrowVmfMirrorOnLanes<Real>>(layer, kind, f);
+      visit_kind<NarrowVmfLambertOnLanes<Real>>(layer, kind, f);
+    } else {
+      visit_kind<VmfMirrorOnLanes<Real>>(layer, kind, f);
+      visit_kind<VmfLambertOnLanes<Real>>(layer, kind, f);
+    }
     visit_kind<SubstrateOnLanes<Real>>(layer, kind, f);
   }
 
@@ -166,7 +173,9 @@ struct AnyMedia {
       inverse = t.upright ? SggxOnLanes<Real, UprightSggxMatrix>(numbers).inverse_area(w)
                           : SggxOnLanes<Real, SggxMatrix>(numbers).inverse_area(w);
     if (!has_vmf) return inverse;
-    return select(numbers(kWidth) > Real(0), VmfOnLanes<Real>(numbers).inverse_area(w), inverse);
+    const Real of_vmf = t.narrow ? NarrowVmfOnLanes<Real>(numbers).inverse_area(w)
+                                 : VmfOnLanes<Real>(numbers).inverse_area(w);
+    return select(numbers(kWidth) > Real(0), of_vmf, inverse);
   }
 
   /// A flight of some lanes, on its way.

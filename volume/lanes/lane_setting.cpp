@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "phase/medium/vmf.h"
 #include "volume/lanes/lane_marginals.h"
 #include "volume/lanes/lane_normals.h"
 #include "volume/lanes/lane_null_flakes.h"
@@ -48,6 +49,19 @@ bool are_upright(const Vmf& flakes, double depth) {
 
 // A depth that light reaches where it meets nothing, see Vmf::sigma.
 constexpr double kForGood = 1e28;
+
+// The least -u for which sigma(u) is below what lanes take for nothing, with room for the error of
+// its table; 2 where it never is.
+double hidden_cosine(double alpha) {
+  const double nothing = std::log(1e-30) - 0.01;
+  if (log_vmf_sigma(-1, alpha) > nothing) return 2;
+  double seen = 0, hidden = 1;
+  for (int step = 0; step < 30; ++step) {
+    const double middle = (seen + hidden) / 2;
+    (log_vmf_sigma(-middle, alpha) > nothing ? seen : hidden) = middle;
+  }
+  return hidden;
+}
 
 template <class Scalar>
 class LayerWriter {
@@ -133,6 +147,14 @@ class LayerWriter {
     const double width = 1 / std::sqrt(kappa + 1);
     set(kWidth, width);
     set(kReach, 1 / std::min(1.0, kLargestBehind * width));
+    const double facing = facing_cosine(kappa);
+    set(kFacing, facing);
+    set(kHidden, facing > 1 ? 2 : hidden_cosine(flakes.alpha()));
+    const TiltSeries<double> tilt = tilt_series(kappa);
+    set(kTilt, tilt.first);
+    set(kTilt + 1, tilt.second);
+    set(kTilt + 2, tilt.third);
+    to_.walk.narrow = to_.walk.narrow || facing < 1;
     auto& tables = to_.tables;
     if (tables.empty()) tables = side_sheets();
     set(kTable, static_cast<double>(tables.size()));

@@ -47,6 +47,7 @@ struct WalkSetting {
   bool substrate = false, fresnel = false, from_above = true;
   bool grey = true;      ///< all channels are the same
   bool upright = false;  ///< all matrices are UprightSggxMatrix's
+  bool narrow = false;   ///< there are vMF flakes of NarrowVmfOnLanes
   Scalar wi[3] = {};
   bool collides_at_once = false;  ///< as good as every walk meets something
   /// Above 0: every walk collides; this is the chance that it would, and that it would not.
