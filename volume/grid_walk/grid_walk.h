@@ -45,13 +45,19 @@ struct GridWalkStack {
 /// std::invalid_argument with the periods if there is none.
 [[nodiscard]] double common_period(const std::vector<double>& periods);
 
-/// What the batches of a simulation with grids run: walks `from` to `to` (not included) of a batch.
+/// What the batches of a simulation with grids run: walks `from` to `to` (not included) of a batch,
+/// and the instruction set that follows them.
+struct GridRunner {
+  RunBatch run;
+  Isa isa = Isa::scalar;
+};
 /// The light enters uniformly over the tile and counts wherever it leaves: f is the tile's mean.
 /// targets: cells; points: f at points instead, next-event (none: energies alone).
-[[nodiscard]] RunBatch grid_runner(const Stack& stack, const Plan& plan, Direction incident,
-                                   std::uint64_t seed, Estimator estimator,
-                                   const CellTargets& targets, const std::vector<Direction>* points,
-                                   std::vector<BatchTally>& batches);
+[[nodiscard]] GridRunner grid_runner(const Stack& stack, const Plan& plan, Direction incident,
+                                     std::uint64_t seed, Estimator estimator,
+                                     const CellTargets& targets,
+                                     const std::vector<Direction>* points,
+                                     std::vector<BatchTally>& batches);
 
 /// Throws std::invalid_argument, with the direction's name `what`, for |mu| below kGridGrazing.
 void check_beside_grids(const char* what, Direction w);
