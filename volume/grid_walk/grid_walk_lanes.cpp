@@ -13,7 +13,7 @@ namespace lamella::LAMELLA_ISA {
 namespace {
 
 // Cells or tentative collisions by turn of a walk that flies.
-constexpr int kFlightSteps = 3;
+constexpr int kFlightSteps = 2;
 // The least optical depth that is left of a flight.
 constexpr float kNearly = 1e-30f;
 

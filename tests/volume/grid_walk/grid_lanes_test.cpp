@@ -48,7 +48,7 @@ TEST(TurnedFlakes, HaveTheAreasOfTheirRecord) {
 }
 
 // Grids of every kind that lanes take.
-struct GridCase {
+struct LaneGridCase {
   std::string name;
   Stack stack;
   std::shared_ptr<const Voxels> voxels;  // none: the stack's own
@@ -74,12 +74,12 @@ std::shared_ptr<const Voxels> hollow(VoxelIndex n, bool turned, bool rough) {
   return std::make_shared<const Voxels>(std::move(voxels));
 }
 
-std::vector<GridCase> grid_cases() {
+std::vector<LaneGridCase> lane_grid_cases() {
   const auto of = [](const std::string& keys, const std::string& below = {}) {
     return stack_from(grid_layer(keys + "\nthickness = 0.7") + below);
   };
   const std::string base = "[substrate]\nalbedo = [0.5, 0.9, 0.1]\n";
-  std::vector<GridCase> cases;
+  std::vector<LaneGridCase> cases;
   for (const char* name : {"woven_cloth", "settled_dust", "blotchy_layer"})
     cases.push_back({name, load_stack(name), nullptr});
   cases.push_back({"colour over a substrate, in many cells",
@@ -99,14 +99,14 @@ std::vector<GridCase> grid_cases() {
   return cases;
 }
 
-Plan plan_of(const GridCase& c) {
+Plan plan_through(const LaneGridCase& c) {
   return c.voxels ? plan_with(c.stack, {c.voxels}) : make_plan(c.stack);
 }
 
 TEST(GridLanes, AgreeWithWalksInDouble) {
   std::vector<double> z;
-  for (const GridCase& c : grid_cases()) {
-    Plan plan = plan_of(c);
+  for (const LaneGridCase& c : lane_grid_cases()) {
+    Plan plan = plan_through(c);
     std::vector<RunResult> scalar;
     std::vector<Direction> light;
     for (const double theta : {55.0, 130.0})

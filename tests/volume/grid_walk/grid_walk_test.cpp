@@ -14,6 +14,7 @@ namespace lamella {
 namespace {
 
 using testing::allowed_z;
+using testing::collect_z;
 using testing::expect_normal;
 using testing::expect_same;
 using testing::grid_layer;
