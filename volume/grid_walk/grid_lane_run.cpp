@@ -8,7 +8,7 @@
 #include "phase/medium/medium.h"
 #include "phase/random/lattice.h"
 #include "volume/grid_walk/grid_march.h"
-#include "volume/grid_walk/grid_walk.h"
+#include "volume/grid_walk/grid_stack.h"
 #include "volume/grid_walk/turned_flakes.h"
 #include "volume/lanes/lane_run.h"
 #include "volume/walk/walk.h"
@@ -171,15 +171,15 @@ void GridLaneRun::count(int batch, std::uint64_t from, std::uint64_t to, BatchTa
     task.count = walks_of_task(index, kBatches, walks);
     tally.collisions += follow(task, ends);
     if (channels_ == 1)
-      this->tally<1>(task, ends, tally);
+      add<1>(task, ends, tally);
     else
-      this->tally<3>(task, ends, tally);
+      add<3>(task, ends, tally);
     from += static_cast<std::uint64_t>(task.count);
   }
 }
 
 template <int C>
-void GridLaneRun::tally(const GridWalkTask& task, const Ends& ends, BatchTally& tally) const {
+void GridLaneRun::add(const GridWalkTask& task, const Ends& ends, BatchTally& tally) const {
   const GridWalkEnds& rows = ends.rows;
   const std::size_t cells = cells_ ? cells_->grid.cells() : 0;
   const std::size_t targets = cells_ ? cells_->count() : 0;

@@ -38,12 +38,11 @@ class GridLaneRun {
 
   GridLaneRun(const Stack& stack, const Plan& plan, Direction incident, std::uint64_t seed,
               const CellTargets* cells, std::shared_ptr<const GridRayTable> table);
-  /// Follows the walks of a task. Throws as `count`.
+  /// Follows the walks of a task; returns their collisions. Throws as `count`.
   std::uint64_t follow(GridWalkTask& task, Ends& ends) const;
-  /// tell(j): of the walks `from` to `to` with indices first + j stride, in parts of a task.
-  void check_finite(const GridWalkTask& task, const Ends& ends, int j) const;
+  /// Adds what the walks of a task, of one batch, are worth.
   template <int C>
-  void tally(const GridWalkTask& task, const Ends& ends, BatchTally& tally) const;
+  void add(const GridWalkTask& task, const Ends& ends, BatchTally& tally) const;
 
   std::shared_ptr<const GridRayTable> table_;
   LaneSetting<float> setting_;

@@ -4,8 +4,9 @@
 #include <memory>
 
 #include "volume/grid_walk/grid_lattice.h"
-#include "volume/grid_walk/grid_walk.h"
+#include "volume/grid_walk/grid_stack.h"
 #include "volume/grid_walk/shadow_rays.h"
+#include "volume/walk/departures.h"
 #include "volume/walk/walk_lattice.h"
 
 namespace lamella {

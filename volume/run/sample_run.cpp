@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "volume/grid_walk/grid_lane_run.h"
+#include "volume/grid_walk/grid_stack.h"
 #include "volume/grid_walk/grid_walk.h"
 #include "volume/interfaces/boundary_run.h"
 #include "volume/lanes/lane_run.h"

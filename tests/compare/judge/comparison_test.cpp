@@ -233,8 +233,10 @@ TEST(Comparison, CallsATrueModelDifferentNoMoreOftenThanItSaysWithLatticesInGrid
   const Stack stack = testing::stack_from(testing::grid_layer(keys + "4"));
   const auto voxels = testing::shared_voxels_of({9, 16, 5}, [](VoxelIndex) { return 0.75; });
   const Direction incident[] = {direction_from_degrees(60, 0)};
+  Plan whole_circle = make_plan(homogeneous);
+  whole_circle.folded = false;
   const RunResult solved = deterministic_runs(solve_deterministic(homogeneous, {.tolerance = 1e-6}),
-                                              make_plan(homogeneous), incident, kGrid, 1e-6)[0];
+                                              whole_circle, incident, kGrid, 1e-6)[0];
   Plan plan = testing::plan_with(stack, {voxels});
   plan.sampling = Sampling::rqmc;
   plan.order_one = OrderOne::walked;
