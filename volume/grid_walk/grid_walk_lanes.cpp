@@ -24,8 +24,8 @@ class GridWalksOnLanes {
 
   GridWalkCount run() {
     for (;;) {
-      while (made_ < t_.count && flying_.size + kLanes <= kWalksUnderWay) begin();
-      if (flying_.size == 0 && collided_.size == 0 && below_.size == 0) break;
+      while (made_ < t_.count && under_way() + kLanes <= kWalksUnderWay) begin();
+      if (under_way() == 0) break;
       fly();
       // Few that have collided wait for others, while there are some.
       const bool last = made_ == t_.count && flying_.size < kLanes;
@@ -38,6 +38,8 @@ class GridWalksOnLanes {
 
  private:
   using Walkers = GridWalkers<C>;
+
+  [[nodiscard]] int under_way() const { return flying_.size + collided_.size + below_.size; }
 
   // The word in the place of a random one: the lattice's, where it has one for these steps.
   LAMELLA_INLINE Words word_of_step(int word, Words step, Words slot, Words random) const {

@@ -8,7 +8,7 @@
 namespace lamella::LAMELLA_ISA {
 
 inline constexpr int kLanes = Floats::kCount;
-/// Walks under way at once, which the caches next to the processor hold.
+/// Walks under way at once, at most: what the cache next to the processor holds.
 inline constexpr int kWalksUnderWay = 256;
 
 /// Walks, one per lane, with weights for C channels. Between events a walk flies from one tentative
@@ -25,10 +25,10 @@ struct GridWalkers {
   WalkNumbers<Words> numbers;
 };
 
-/// Walks that wait.
+/// Walks that wait. A register may be stored where the last walk begins.
 template <int C>
 struct WalkPile {
-  static constexpr int kRows = 15 + C, kRoom = kWalksUnderWay + 2 * kLanes;
+  static constexpr int kRows = 15 + C, kRoom = kWalksUnderWay + kLanes;
   int size = 0;
   alignas(64) std::uint32_t rows[kRows][kRoom];
 
