@@ -265,8 +265,14 @@ class GridTrial {
               points(lanes_, count, 0), points(scalar_, count, 1));
     compare("nee cells, lanes", "shadow rays in double", cells(lanes_, Estimator::next_event, 0),
             cells(scalar_, Estimator::next_event, 1));
-    compare("nee cells, lanes, against counted", "walks counted in cells",
-            cells(lanes_, Estimator::next_event, 0), cells(scalar_, Estimator::analog, 1), 8);
+    compare("nee cells, lanes, against counted", "walks counted in cells on lanes",
+            cells(lanes_, Estimator::next_event, 0), cells(lanes_, Estimator::analog, 1), 64);
+  }
+
+  // Counted walks on lanes against those in double.
+  void measure_counted() const {
+    compare("counted cells, lanes", "walks in double", cells(lanes_, Estimator::analog, 0),
+            cells(scalar_, Estimator::analog, 1));
   }
 
   // Walks on lattices against random ones.
@@ -320,6 +326,7 @@ void measure_grids(const BenchmarkEffort& effort, std::uint64_t seed, const Repo
       measure_ray_variance(name, effort, seed, report);
       const GridTrial trial(name, effort, seed, report);
       trial.measure_shadow_rays();
+      trial.measure_counted();
       trial.measure_lattices();
     });
 }

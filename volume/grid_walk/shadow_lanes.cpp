@@ -1,9 +1,8 @@
 // Ratio tracking of many shadow rays at once: each lane takes a ray from cell to cell of one
 // majorant and from one tentative collision to the next.
 
-#include <hwy/highway.h>
-
 #include "phase/random/lane_random.h"
+#include "volume/grid_walk/lane_march.h"
 #include "volume/grid_walk/shadow_task.h"
 
 namespace lamella::LAMELLA_ISA {
@@ -11,8 +10,6 @@ namespace {
 
 constexpr int kLanes = Floats::kCount;
 static_assert(kShadowRays % kLanes == 0);
-// A word of a number just below x > 0, and the extinction over a majorant that rounding explains.
-constexpr float kJustBelow = 1 - 0x1p-23f, kRounding = 1 + 1e-4f;
 // Blocks of random numbers until a ray counts as endless.
 constexpr std::uint32_t kMostBlocks = 1u << 26;
 // Shares below the first are left to chance, see ratio_tracked.
@@ -27,41 +24,23 @@ struct Rays {
   std::uint32_t names[kNames][kShadowRays + kLanes];
 };
 
-struct Axis {
-  Floats place, speed, inverse, end;  // end: of the tile, in voxels
-  Words last;                         // the last voxel
-  FloatMask up;
-};
-
-// A cell's extent along an axis.
-struct Side {
-  Floats low, high;
-  Words low_voxel, high_voxel;  // high: not included
-  FloatMask spans;              // the whole tile
-  Floats exit;                  // length of the way to it [mm]
-};
-
 class Packet {
  public:
   LAMELLA_INLINE Packet(const ShadowTask& t, const Rays& rays, int first, int count)
-      : t_(t),
-        scale_(Floats::load(rays.numbers[kScale] + first)),
-        bound_(Floats::load(rays.numbers[kBound] + first)),
-        share_(Floats::load(rays.numbers[kShare] + first)),
-        little_(Floats::load(rays.numbers[kLittleShare] + first)),
+      : march_(t.grid,
+               {number(rays, kPlace, first), number(rays, kPlace + 1, first),
+                number(rays, kPlace + 2, first)},
+               {number(rays, kSpeed, first), number(rays, kSpeed + 1, first),
+                number(rays, kSpeed + 2, first)}),
+        from_{number(rays, kFrom, first), number(rays, kFrom + 1, first),
+              number(rays, kFrom + 2, first)},
+        scale_(number(rays, kScale, first)),
+        bound_(number(rays, kBound, first)),
+        share_(number(rays, kShare, first)),
+        little_(number(rays, kLittleShare, first)),
         began_(first_lanes<float>(count - first < kLanes ? count - first : kLanes)),
         alive_(began_),
         too_low_(began_ ^ began_) {
-    for (int a = 0; a < 3; ++a) {
-      Axis& x = axis_[a];
-      x.place = Floats::load(rays.numbers[kPlace + a] + first);
-      x.speed = Floats::load(rays.numbers[kSpeed + a] + first);
-      x.inverse = Floats(1) / x.speed;
-      x.end = Floats(static_cast<float>(t.voxels[a]));
-      x.last = Words(t.voxels[a] - 1);
-      x.up = x.speed > Floats(0);
-      from_[a] = Floats::load(rays.numbers[kFrom + a] + first);
-    }
     for (int k = 0; k < kNames; ++k) names_[k] = Words::load(rays.names[k] + first);
   }
 
@@ -81,10 +60,12 @@ class Packet {
       store_compressed(x, alive_, rays.numbers[number] + count);
     };
     for (int a = 0; a < 3; ++a) {
-      keep(axis_[a].place, kPlace + a);
-      keep(axis_[a].speed, kSpeed + a);
-      keep(from_[a], kFrom + a);
+      keep(march_.place(a), kPlace + a);
+      keep(march_.speed(a), kSpeed + a);
     }
+    keep(from_.x, kFrom);
+    keep(from_.y, kFrom + 1);
+    keep(from_.z, kFrom + 2);
     keep(scale_, kScale);
     keep(bound_, kBound);
     keep(share_, kShare);
@@ -95,73 +76,22 @@ class Packet {
 
   // To the next tentative collision or out of the cell; `chance`: two random bits.
   LAMELLA_INLINE void step(Words bits, Words chance) {
-    const Words block =
-        block_of(shift_right<3>(voxel(0)), shift_right<3>(voxel(1)), shift_right<3>(voxel(2)));
-    const auto cell = gather_pair(t_.block_entries, block);
-    const Words edge = bits_of(cell.second);
-    Side side[3];
-    for (int a = 0; a < 3; ++a) side[a] = side_of(a, edge);
-    const Floats exit = min(side[0].exit, min(side[1].exit, side[2].exit));
-    const Floats majorant = cell.first * bound_;
+    const auto cell = march_.cell();
+    const Floats majorant = cell.density * bound_;
     // Empty cells have no collisions: infinity.
     const Floats free = exponential_of(bits) / majorant;
-    const FloatMask collides = free < exit;
-    const Floats way = min(free, exit);
-    for (int a = 0; a < 3; ++a) go_on(a, side[a], way);
-    collide(collides, side, majorant, chance);
-    leave(!collides, side, exit);
+    const FloatMask collides = free < cell.exit;
+    march_.go_on(cell, min(free, cell.exit));
+    collide(collides, majorant, chance);
+    alive_ = without(alive_, march_.leave(!collides, cell));
   }
 
  private:
-  [[nodiscard]] LAMELLA_INLINE Words voxel(int a) const {
-    return hn::Min(to_words(axis_[a].place).v, axis_[a].last.v);
+  [[nodiscard]] LAMELLA_INLINE static Floats number(const Rays& rays, int number, int first) {
+    return Floats::load(rays.numbers[number] + first);
   }
-  // Where the block's entry is.
-  [[nodiscard]] LAMELLA_INLINE Words block_of(Words x, Words y, Words z) const {
-    return shift_left<2>((z * Words(t_.blocks[1]) + y) * Words(t_.blocks[0]) + x);
-  }
-  [[nodiscard]] LAMELLA_INLINE Side side_of(int a, Words edge) const {
-    const Axis& x = axis_[a];
-    Side s;
-    s.low_voxel = hn::AndNot(edge.v, voxel(a).v);
-    s.high_voxel = hn::Min((s.low_voxel + edge + Words(1u)).v, (x.last + Words(1u)).v);
-    s.low = to_floats(s.low_voxel);
-    s.high = to_floats(s.high_voxel);
-    s.exit = nonnegative((select(x.up, s.high, s.low) - x.place) * x.inverse);
-    if (a < 2) {
-      s.spans = equal(s.low, Floats(0)) & equal(s.high, x.end);
-      s.exit = select(s.spans, Floats(1e30f), s.exit);
-    }
-    return s;
-  }
-  // Along an axis, within the cell; a cell as wide as the tile is entered again.
-  LAMELLA_INLINE void go_on(int a, const Side& s, Floats way) {
-    Floats to = multiply_add(way, axis_[a].speed, axis_[a].place);
-    if (a < 2) to = select(s.spans, to - axis_[a].end * floor(to * reciprocal(axis_[a].end)), to);
-    axis_[a].place = max(s.low, min(to, s.high * Floats(kJustBelow)));
-  }
-  LAMELLA_INLINE void collide(FloatMask collides, const Side (&side)[3], Floats majorant,
-                              Words chance) {
-    Words at[3];
-    for (int a = 0; a < 3; ++a)
-      at[a] = hn::Min(to_words(axis_[a].place).v, (side[a].high_voxel - Words(1u)).v);
-    const Words block =
-        block_of(shift_right<3>(at[0]), shift_right<3>(at[1]), shift_right<3>(at[2]));
-    const auto content = gather_pair(t_.block_entries + 2, block);
-    const Words seven(7u);
-    const Words local =
-        shift_left<6>(at[2] & seven) + shift_left<3>(at[1] & seven) + (at[0] & seven);
-    const Words record = bits_of(content.first) + (local & bits_of(content.second));
-    Floats extinction;
-    if (t_.turned) {
-      const Words place = shift_left<2>(record);
-      const auto p = gather_pair(t_.records, place), q = gather_pair(t_.records + 2, place);
-      const Floats c =
-          multiply_add(p.second, from_[0], multiply_add(q.first, from_[1], q.second * from_[2]));
-      extinction = scale_ * sqrt(nonnegative(multiply_add(Floats(t_.sign) * c, c, p.first)));
-    } else {
-      extinction = scale_ * gather(t_.records, record);
-    }
+  LAMELLA_INLINE void collide(FloatMask collides, Floats majorant, Words chance) {
+    const Floats extinction = scale_ * march_.thickness(march_.content(), from_);
     const FloatMask counts = collides & alive_;
     too_low_ = too_low_ | (counts & (extinction > majorant * Floats(kRounding)));
     const Floats kept = nonnegative(Floats(1) - extinction / majorant);
@@ -173,27 +103,10 @@ class Packet {
     little_ = select(low, little_ * Floats(kLittle), little_);
     alive_ = alive_ & (share_ > Floats(0));
   }
-  // Into the next cell, over the side that comes first.
-  LAMELLA_INLINE void leave(FloatMask leaves, const Side (&side)[3], Floats exit) {
-    FloatMask rest = leaves;
-    for (int a = 0; a < 3; ++a) {
-      Axis& x = axis_[a];
-      const FloatMask here = rest & (side[a].exit <= exit);
-      rest = without(rest, here);
-      const FloatMask at_top = equal(side[a].high, x.end),
-                      at_bottom = equal(side[a].low, Floats(0));
-      if (a == 2) {
-        alive_ = without(alive_, here & ((x.up & at_top) | without(at_bottom, x.up)));
-      }
-      const Floats above = select(at_top, Floats(0), side[a].high);
-      const Floats below = select(at_bottom, x.end, side[a].low) * Floats(kJustBelow);
-      x.place = select(here, select(x.up, above, below), x.place);
-    }
-  }
 
-  const ShadowTask& t_;
-  Axis axis_[3];
-  Floats from_[3], scale_, bound_, share_, little_;
+  LaneMarch march_;
+  Vec3<Floats> from_;
+  Floats scale_, bound_, share_, little_;
   Words names_[kNames];
   FloatMask began_, alive_, too_low_;
 };

@@ -9,8 +9,6 @@
 namespace lamella {
 namespace {
 
-// Widens majorants by more than the rounding of float.
-constexpr double kMargin = 1 + 4e-6;
 // Bits of a counter that name the stream's purpose; a ray's place among its walk's has the others.
 constexpr int kPurposeBits = 4;
 
@@ -54,7 +52,7 @@ void ShadowQueue<C>::push(const DensityGrid& grid, const ShadowRay& ray,
   const bool turned = table_->turned;
   const double sigma = turned ? table_->largest_sigma : lamella::sigma(grid.palette()[0], ray.w);
   scale_[k] = static_cast<float>(grid.layer_density() * (turned ? 1 : sigma));
-  bound_[k] = static_cast<float>(grid.layer_density() * sigma * kMargin);
+  bound_[k] = static_cast<float>(grid.layer_density() * sigma * kMajorantMargin);
   names_[k] = static_cast<std::uint32_t>(StreamPurpose::shadow) | ordinal_++ << kPurposeBits;
   low_[k] = static_cast<std::uint32_t>(index_);
   high_[k] = static_cast<std::uint32_t>(index_ >> 32);
@@ -69,21 +67,15 @@ void ShadowQueue<C>::begin(const DensityGrid& grid, std::size_t stride) {
   stride_ = stride;
   const Direction h = grid.voxel_size();
   per_mm_ = {1 / h.x, 1 / h.y, 1 / h.z};
-  for (int a = 0; a < 3; ++a) largest_[a] = table_->voxels[a] * (1 - 0x1p-23);
+  for (int a = 0; a < 3; ++a) largest_[a] = table_->voxels[a] * kBelowEnd;
 }
 
 template <int C>
 void ShadowQueue<C>::flush() {
   if (count_ == 0) return;
-  const GridRayTable& table = *table_;
   ShadowTask task;
-  task.block_entries = table.block_entries.data();
-  task.records = table.records.data();
-  task.turned = table.turned;
-  task.sign = table.sign;
+  task.grid = lane_grid_of(*table_);
   for (int a = 0; a < 3; ++a) {
-    task.voxels[a] = static_cast<std::uint32_t>(table.voxels[a]);
-    task.blocks[a] = static_cast<std::uint32_t>(table.blocks[a]);
     task.place[a] = place_[a].data();
     task.speed[a] = speed_[a].data();
     task.from[a] = from_[a].data();

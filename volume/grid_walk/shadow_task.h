@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "phase/lanes/isa.h"
+#include "volume/grid_walk/lane_grid.h"
 
 namespace lamella {
 
@@ -13,10 +14,7 @@ inline constexpr int kShadowRays = 256;
 /// voxels and voxels per mm, the direction that the light comes from, what the extinction is a
 /// multiple of and what bounds it [1/mm], and the names of its random numbers.
 struct ShadowTask {
-  const float *block_entries = nullptr, *records = nullptr;
-  bool turned = false;
-  float sign = 0;
-  std::uint32_t voxels[3]{}, blocks[3]{};
+  LaneGrid grid;
   const float *place[3]{}, *speed[3]{}, *from[3]{};
   const float *scale = nullptr, *bound = nullptr;
   const std::uint32_t *ordinal = nullptr, *walk_low = nullptr, *walk_high = nullptr;

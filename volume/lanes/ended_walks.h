@@ -2,6 +2,7 @@
 
 // Walks that lanes have ended, on their way into sums. Only for sources of lamella_lanes().
 
+#include "volume/lanes/lane_cells.h"
 #include "volume/lanes/lane_pool.h"
 
 namespace lamella::LAMELLA_ISA {
@@ -188,15 +189,6 @@ struct EndedWalks {
   // [slot][target], or `elsewhere`.
   LAMELLA_INLINE Words targets_of(const LaneWalkTask& t, int k, const LaneEnd<Words>& of,
                                   Words elsewhere) const {
-    const Floats wz = Floats::load(z + k);
-    // w_o = -w_i: half a turn further than w_i.
-    Floats turns =
-        turns_of(Floats::load(y + k), Floats::load(x + k)) + Floats(0.5f - t.cells.azimuth_turns);
-    turns = turns - floor(turns);
-    if (t.cells.folded) turns = min(turns, Floats(1) - turns);
-    const Floats row =
-        min(nonnegative((Floats(1) - wz * wz) * Floats(t.cells.rows)), Floats(t.cells.rows - 0.5f));
-    const Floats column = min(turns * Floats(t.cells.phi_cells), Floats(t.cells.columns - 0.5f));
     const WordMask down = equal(of.end, Words(static_cast<std::uint32_t>(WalkEnd::down)));
     WordMask left = of.end < Words(static_cast<std::uint32_t>(t.cells.both_sides ? WalkEnd::absorbed
                                                                                  : WalkEnd::down));
@@ -207,8 +199,9 @@ struct EndedWalks {
     const Words below = select(down, Words(cells), Words(0u));
     Words slot = max(min(of.order, Words(kRouletteOrder)), Words(1u)) - Words(1u);
     if constexpr (kBounded) slot = select(equal(of.order, Words(0u)), Words(kRouletteOrder), slot);
-    const Words target = to_words(row) * Words(t.cells.columns) + to_words(column) + below +
-                         slot * Words(t.cells.both_sides ? 2 * cells : cells);
+    const Words target =
+        cell_of(t.cells, {Floats::load(x + k), Floats::load(y + k), Floats::load(z + k)}) + below +
+        slot * Words(t.cells.both_sides ? 2 * cells : cells);
     return select(left, target, elsewhere);
   }
 };

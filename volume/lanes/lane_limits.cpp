@@ -97,6 +97,10 @@ double largest_density(const Stack& stack, const Plan& plan) {
 
 }  // namespace
 
+std::optional<std::string> why_not_lane_medium(const Medium& medium, double depth) {
+  return std::visit([&](const auto& m) { return why_not_medium(m, depth); }, medium);
+}
+
 std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
   if (plan.isa == Isa::scalar) return "the scalar kernel was asked for";
   if (plan.has_grids()) return "walks through density grids have no kernel on lanes";
@@ -119,9 +123,7 @@ std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan) {
     const char* which = plan.layers.size() > 1 ? " of a layer" : "";
     if (depth < 1e-30 || (depth > kDeepest && std::isfinite(depth)))
       return fmt::format("an optical depth of {:g}{} is more than float resolves", depth, which);
-    if (auto reason =
-            std::visit([&](const auto& m) { return why_not_medium(m, depth); }, layer.medium))
-      return reason;
+    if (auto reason = why_not_lane_medium(layer.medium, depth)) return reason;
     common_albedo = common_albedo && layer.albedo == stack.layers[plan.layers[0]].albedo;
   }
   if (plan.channels == 3 && common_albedo && plan.max_order > kMostTabulatedOrders)

@@ -21,7 +21,9 @@ namespace lamella {
 /// Why the walks of a stack run in the scalar double kernel, if they do; in words for a user. Where
 /// float could not keep its promise (a relative bias below 1e-5), the answer is a reason, too.
 [[nodiscard]] std::optional<std::string> why_not_lanes(const Stack& stack, const Plan& plan);
-/// The same question for next-event estimation at points, and in cells.
+/// Why lanes have no kernel for a medium, or float is too coarse for it; depth: of its layer.
+[[nodiscard]] std::optional<std::string> why_not_lane_medium(const Medium& medium, double depth);
+/// The first question for next-event estimation at points, and in cells.
 [[nodiscard]] std::optional<std::string> why_not_lanes_at(const Stack& stack, const Plan& plan,
                                                           const std::vector<Direction>& points);
 [[nodiscard]] std::optional<std::string> why_not_lanes_in_cells(const Stack& stack,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "volume/grains/grain_walk.h"
+#include "volume/grid_walk/grid_lane_run.h"
 #include "volume/lanes/lane_run.h"
 #include "volume/lanes/lane_setting.h"
 #include "volume/plan/longest_walk.h"
@@ -104,7 +105,20 @@ void explain_grains(const Stack& stack, const GrainGeometry& grains, std::vector
                    "of the mean over realisations: grains and substrate are reciprocal"});
 }
 
+void explain_grid_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& notes) {
+  const auto& grid = plan.grids[plan.layers[0]];
+  const auto reason =
+      GridLaneRun::why_not(stack, plan, grid ? make_ray_table(*grid).get() : nullptr);
+  notes.push_back(
+      reason ? PlanNote{"instructions", "scalar kernel, double precision", *reason}
+             : PlanNote{
+                   "instructions",
+                   fmt::format("{} lanes, single precision, for counted walks", to_text(plan.isa)),
+                   "next-event estimation follows its walks in double and sends shadow rays"});
+}
+
 void explain_lanes(const Stack& stack, const Plan& plan, std::vector<PlanNote>& notes) {
+  if (plan.has_grids() && !plan.layers.empty()) return explain_grid_lanes(stack, plan, notes);
   if (const auto reason = why_not_lanes(stack, plan)) {
     notes.push_back({"instructions", "scalar kernel, double precision", *reason});
     return;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "volume/grid_walk/grid_lane_run.h"
+#include "volume/grid_walk/grid_stack.h"
 #include "volume/grid_walk/grid_walk.h"
 #include "volume/interfaces/boundary_run.h"
 #include "volume/lanes/lane_run.h"
@@ -38,6 +40,11 @@ SampleRun::SampleRun(const Stack& stack, const Plan& plan, Direction incident, I
   } else if (!why_not_lanes(stack_, plan_)) {
     lanes_ = std::make_unique<LaneSamples>(stack_, plan_, incident_, law_, seed_);
     chunk_walks_ = plan_.thinning.is_on() ? kThinnedChunk : kChunk;
+  } else if (plan_.has_grids()) {
+    check_beside_grids("w_i", incident_);
+    grid_lanes_ = GridLaneRun::make(stack_, plan_, incident_, seed_, nullptr);
+    if (!grid_lanes_) follow_ = grid_follower(stack_, plan_, seed_);
+    chunk_walks_ = grid_lanes_ ? kChunk : kScalarChunk;
   } else {
     follow_ = follower();
     chunk_walks_ = kScalarChunk;
@@ -47,8 +54,6 @@ SampleRun::SampleRun(const Stack& stack, const Plan& plan, Direction incident, I
 SampleRun::~SampleRun() = default;
 
 FollowWalk SampleRun::follower() const {
-  if (plan_.has_grids()) check_beside_grids("w_i", incident_);
-  if (plan_.has_grids()) return grid_follower(stack_, plan_, seed_);
   if (plan_.boundaries) return boundary_follower(stack_, plan_, seed_);
   const auto with = [this]<int C>(std::integral_constant<int, C>) -> FollowWalk {
     // The walk sees the media of this object's stack.
@@ -81,6 +86,7 @@ WalkSamples SampleRun::take(std::uint64_t chunk, std::uint64_t walks) const {
   }
   const std::uint64_t from = chunk * chunk_walks_, to = std::min(from + chunk_walks_, walks);
   if (lanes_) return lanes_->take(from, to);
+  if (grid_lanes_) return grid_lanes_->take(law_, from, to);
   WalkSamples samples;
   samples.channels = plan_.channels;
   samples.walks = to - from;

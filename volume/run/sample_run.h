@@ -11,6 +11,7 @@
 
 namespace lamella {
 
+class GridLaneRun;
 class LaneSamples;
 
 /// The walks of a Simulation with the same seed one by one: the light that leaves, kept instead of
@@ -40,7 +41,7 @@ class SampleRun {
   /// The walks of a chunk, at most.
   [[nodiscard]] std::uint64_t chunk_walks() const { return chunk_walks_; }
   /// The instruction set of the walks.
-  [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
+  [[nodiscard]] Isa isa() const { return lanes_ || grid_lanes_ ? plan_.isa : Isa::scalar; }
   [[nodiscard]] const Plan& plan() const { return plan_; }
 
  private:
@@ -55,6 +56,7 @@ class SampleRun {
   std::uint64_t seed_, chunk_walks_;
   std::optional<GrainSetting> grains_;
   std::unique_ptr<LaneSamples> lanes_;
+  std::unique_ptr<GridLaneRun> grid_lanes_;
   FollowWalk follow_;
 };
 

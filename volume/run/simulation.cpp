@@ -51,8 +51,10 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
     return;
   }
   if (plan.has_grids()) {
-    run_batch_ =
+    GridRunner runner =
         grid_runner(stack_, plan_, incident_, seed, estimator, targets_, nullptr, batches_);
+    run_batch_ = std::move(runner.run);
+    grid_isa_ = runner.isa;
     return;
   }
   if (!(estimator == Estimator::analog ? why_not_lanes(stack_, plan_)
@@ -87,8 +89,10 @@ Simulation::Simulation(const Stack& stack, const Plan& plan, Direction incident,
   }
   if (!points_.empty()) require_aimable(stack);
   if (plan.has_grids()) {
-    run_batch_ = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
-                             &points_, batches_);
+    GridRunner runner = grid_runner(stack_, plan_, incident_, seed, Estimator::next_event, targets_,
+                                    &points_, batches_);
+    run_batch_ = std::move(runner.run);
+    grid_isa_ = runner.isa;
     return;
   }
   if (!why_not_lanes_at(stack_, plan_, points_)) {

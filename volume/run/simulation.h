@@ -66,7 +66,7 @@ class Simulation {
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] Estimator estimator() const { return estimator_; }
   /// The instruction set of the walks: the plan's, or scalar where that set has no kernel for them.
-  [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : Isa::scalar; }
+  [[nodiscard]] Isa isa() const { return lanes_ ? plan_.isa : grid_isa_; }
   /// Where the numbers of the walks' first steps come from.
   [[nodiscard]] Sampling sampling() const {
     const bool has_lattices = lanes_ || plan_.has_grids() || grains_;
@@ -106,6 +106,7 @@ class Simulation {
   std::uint64_t seed_;
   std::uint64_t walks_ = 0;
   BatchRange range_;
+  Isa grid_isa_ = Isa::scalar;
   CellTargets targets_;
   std::vector<Direction> points_;
   WalkStack walk_stack_;

@@ -7,79 +7,24 @@
 #include <cmath>
 
 #include "phase/stack/builtin_stacks.h"
-#include "tests/volume/voxels/grids.h"
+#include "tests/volume/grid_walk/agreement.h"
 #include "volume/voxels/depth_profile.h"
 
 namespace lamella {
 namespace {
 
 using testing::allowed_z;
+using testing::collect_z;
+using testing::expect_normal;
+using testing::expect_same;
 using testing::grid_layer;
 using testing::layer;
 using testing::plan_with;
+using testing::run_of;
 using testing::scrambled;
 using testing::shared_voxels_of;
 using testing::stack_from;
 using testing::z_between;
-
-RunResult run_of(const Stack& stack, const Plan& plan, Direction wi, Estimator estimator,
-                 std::uint64_t walks, std::uint64_t seed, CellGrid cells = CellGrid{4, 8, false}) {
-  Simulation simulation(stack, plan, wi, estimator, cells, seed);
-  simulation.advance(testing::soaked(walks));
-  return reduce(simulation);
-}
-
-// z values of two runs over every lobe's cells and energies, where enough light arrives.
-void collect_z(const RunResult& a, const RunResult& b, std::vector<double>& z) {
-  for (const bool reflected : {true, false}) {
-    const SideResult& sa = reflected ? a.reflected : a.transmitted;
-    const SideResult& sb = reflected ? b.reflected : b.transmitted;
-    for (int o = 0; o < kTallyOrders; ++o)
-      // One channel: the others are of the same walks.
-      for (std::size_t k = 0; k < sa.lobes[o].value.size() / a.channels; ++k) {
-        const Estimate x{sa.lobes[o].value[k], sa.lobes[o].standard_error[k]};
-        const Estimate y{sb.lobes[o].value[k], sb.lobes[o].standard_error[k]};
-        // Fewer than a hundred effective events, or none, make no normal error.
-        if (!(x.value > 10 * x.standard_error && y.value > 10 * y.standard_error)) continue;
-        z.push_back(z_between(x, y));
-      }
-  }
-}
-
-// p-value of the hypothesis that the z values are standard normal: counts in 16 bins of equal
-// chance.
-double normality_p_value(const std::vector<double>& z) {
-  constexpr int kBins = 16;
-  std::vector<double> observed(kBins), expected(kBins, static_cast<double>(z.size()) / kBins);
-  for (const double x : z)
-    ++observed[std::min(kBins - 1, static_cast<int>(kBins * 0.5 * std::erfc(-x / std::sqrt(2.0))))];
-  return testing::chi_square_p_value(observed, expected);
-}
-
-void expect_normal(const std::vector<double>& z) {
-  ASSERT_GT(z.size(), 100u);
-  EXPECT_GT(normality_p_value(z), testing::test_level()) << z.size() << " cells";
-}
-
-// Two stacks are the same to the walk: no cell and no order is far off. Adds the cells' z values to
-// those that the test holds against the normal distribution in the end.
-void expect_same(const std::vector<std::pair<RunResult, RunResult>>& runs, const std::string& what,
-                 std::vector<double>& all) {
-  std::vector<double> z;
-  for (const auto& [a, b] : runs) {
-    collect_z(a, b, z);
-    for (const bool reflected : {true, false})
-      for (int o = 0; o < kTallyOrders; ++o)
-        for (int c = 0; c < a.channels; ++c)
-          EXPECT_LT(std::abs(z_between((reflected ? a.reflected : a.transmitted).orders[o][c],
-                                       (reflected ? b.reflected : b.transmitted).orders[o][c])),
-                    allowed_z())
-              << what << ' ' << reflected << ' ' << o << ' ' << c;
-  }
-  ASSERT_GT(z.size(), 20u) << what;
-  for (const double x : z) EXPECT_LT(std::abs(x), 1.3 * allowed_z()) << what;
-  all.insert(all.end(), z.begin(), z.end());
-}
 
 // Runs a stack with a grid and one without from two sides, with different seeds.
 std::vector<std::pair<RunResult, RunResult>> pairs_of(const Stack& grid, const Plan& grid_plan,
@@ -310,14 +255,16 @@ TEST(GridWalk, IsBitIdenticalForOneTwoAndSevenThreads) {
       return all;
     });
   };
-  for (const Sampling sampling : {Sampling::random, Sampling::rqmc}) {
-    plan.sampling = sampling;
-    for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
-      const auto one = sums(1, estimator, {2000});
-      EXPECT_EQ(one, sums(2, estimator, {2000}));
-      EXPECT_EQ(one, sums(7, estimator, {100, 1999, 2000}));
+  for (const Isa isa : supported_isas())
+    for (const Sampling sampling : {Sampling::random, Sampling::rqmc}) {
+      plan.isa = isa;
+      plan.sampling = sampling;
+      for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+        const auto one = sums(1, estimator, {2000});
+        EXPECT_EQ(one, sums(2, estimator, {2000}));
+        EXPECT_EQ(one, sums(7, estimator, {100, 1999, 2000}));
+      }
     }
-  }
 }
 
 // Lattices are random shifts: means and standard errors are those of any walks.
@@ -376,9 +323,13 @@ TEST(GridWalk, RefusesLightAlongTheHorizon) {
       Simulation(stack, plan, direction_from_degrees(0, 0), {direction_from_mu_phi(1e-7, 0)}, 1),
       std::invalid_argument);
   // Near it, walks end.
-  const RunResult run =
-      run_of(stack, plan, direction_from_mu_phi(2e-6, 0.3), Estimator::analog, 500, 1);
-  EXPECT_NEAR(ledger_sum(run, 0), 1, 1e-12);
+  for (const Isa isa : supported_isas()) {
+    Plan on = plan;
+    on.isa = isa;
+    const RunResult run =
+        run_of(stack, on, direction_from_mu_phi(2e-6, 0.3), Estimator::analog, 500, 1);
+    EXPECT_NEAR(ledger_sum(run, 0), 1, 1e-12);
+  }
 }
 
 TEST(GridWalk, ClosedFormsOfTheStackRefuseAGrid) {

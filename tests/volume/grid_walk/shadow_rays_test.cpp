@@ -14,16 +14,10 @@ namespace {
 
 using testing::allowed_z;
 using testing::grid_layer;
+using testing::lane_isas;
 using testing::plan_with;
 using testing::scrambled;
 using testing::stack_from;
-
-std::vector<Isa> lane_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : supported_isas())
-    if (isa != Isa::scalar) isas.push_back(isa);
-  return isas;
-}
 
 // sigma_i(w) of a voxel, from the media themselves.
 double sigma_in(const DensityGrid& grid, VoxelIndex i, Direction w) {

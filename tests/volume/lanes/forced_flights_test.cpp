@@ -45,6 +45,12 @@ const std::vector<ForcedCase>& forced_cases() {
        layer("medium = 'vmf_flake'\nroughness = 0.5\naxis = [0.5, 0, 1]\nflake = 'mirror'\n"
              "albedo = 0.9\nthickness = 1"),
        30},
+      {"narrow flakes, leaning",
+       layer("medium = 'vmf_flake'\nroughness = 0.05\naxis = [0.5, 0, 1]\nflake = 'mirror'\n"
+             "albedo = 0.9\nthickness = 1"),
+       30},
+      {"narrow flakes without an end",
+       layer("medium = 'vmf_flake'\nroughness = 0.1\nalbedo = 0.9\nthickness = inf"), 60},
       {"one-sided flakes from behind",
        layer("medium = 'vmf_flake'\nroughness = 0.8\nalbedo = 0.9\nthickness = 1"), 140},
       {"a half space of one-sided flakes",

@@ -7,6 +7,7 @@
 
 #include <cstring>
 
+#include "phase/random/lattice.h"
 #include "phase/stack/builtin_stacks.h"
 #include "tests/volume/run/draw.h"
 #include "tests/volume/run/stacks.h"
@@ -109,6 +110,36 @@ TEST(SavedWalks, OfAnyNumberOfPartsAreThoseOfTheWholeRun) {
     EXPECT_EQ(std::count(there.begin(), there.end(), true), kBatches);
     ASSERT_EQ(bits_of(*merged), bits_of(*whole)) << to_toml(c.stack) << parts << " parts";
   }
+}
+
+// Walks through grids on lattices, of which a batch begins another every 16384 walks.
+TEST(SavedWalks, OfPartsThroughGridsOnLatticesAreThoseOfTheWholeRun) {
+  for (const Isa isa : {Isa::scalar, supported_isas().back()})
+    for (const char* name : {"woven_cloth", "settled_dust"})
+      for (const Estimator estimator : {Estimator::analog, Estimator::next_event}) {
+        // On lanes counted walks are fast enough to pass the first lattice's end.
+        const bool fast = isa != Isa::scalar && estimator == Estimator::analog;
+        Case c{load_stack(name), {}, direction_from_degrees(60, 20), estimator, 1000, 3};
+        if (fast) c.walks = kBatches * (kLatticePoints + 50);
+        c.plan = make_plan(c.stack, {.sampling = Sampling::rqmc});
+        c.plan.isa = isa;
+        const auto whole = c.simulation();
+        ASSERT_EQ(whole->sampling(), Sampling::rqmc);
+        on_threads(2, [&] { whole->advance(c.walks); });
+        const auto merged = c.simulation();
+        std::vector<bool> there;
+        constexpr int kParts = 3;
+        for (int p = kParts; p-- > 0;) {
+          const auto part = c.simulation();
+          part->walk_only({p * kBatches / kParts, (p + 1) * kBatches / kParts});
+          on_threads(1 + p, [&] {
+            part->advance(c.walks / 3);
+            part->advance(c.walks);
+          });
+          EXPECT_TRUE(restore_walks(save_walks(*part, 1, true), *merged, there).done);
+        }
+        EXPECT_EQ(bits_of(*merged), bits_of(*whole)) << name << ' ' << to_text(isa);
+      }
 }
 
 TEST(SavedWalks, GoOnAsIfNothingHadEndedThem) {

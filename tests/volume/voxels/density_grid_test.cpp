@@ -7,7 +7,7 @@
 #include "phase/stack/builtin_stacks.h"
 #include "tests/volume/voxels/grids.h"
 #include "volume/grid_walk/grid_march.h"
-#include "volume/grid_walk/grid_walk.h"
+#include "volume/grid_walk/grid_stack.h"
 #include "volume/voxels/depth_profile.h"
 #include "volume/voxels/grid_generators.h"
 
