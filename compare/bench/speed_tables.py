@@ -33,6 +33,7 @@ TASKS = [("walk", "walk"), ("walk+cells", "with cells"), ("nee1", "next-event to
          ("nee16", "next-event to 16 directions"), ("nee64", "next-event to 64 directions"),
          ("walk+cells/engine's generator", "with cells, against the engine's generator")]
 SAMPLED = ["lambert_sphere_halfspace", "sggx_slab", "vmf_halfspace", "spongecake_two_layer"]
+GROWN = ["lambert_sphere_halfspace", "sggx_slab", "vmf_halfspace", "vmf_sand", "spongecake_two_layer"]
 SOLVED = [("lambert_sphere_halfspace", "Lambert-sphere half space"),
           ("lambert_sphere_slab", "Lambert-sphere slab, depth 2"),
           ("hg_slab", "Henyey-Greenstein g = 0.7, depth 4"),
@@ -239,6 +240,16 @@ def sampling(release):
                     slopes.append(f"{row['slope']:.2f}")
             rows.append([*line, ", ".join(slopes)])
     return table(["stack", "what", "order 1", "order 2", "order 3", "order 4+", "all", "slopes"], rows)
+
+
+def sampling_growth(release):
+    columns = (("next-event/cells/order2", "cells, next-event: order 2"), ("next-event/cells/order3", "order 3"),
+               ("next-event/cells/all", "all"), ("next-event/energy/order2", "energy, next-event: order 2"),
+               ("energy/order2", "counted: order 2"), ("energy/all", "all"))
+    return table(["stack", *(words for _, words in columns)],
+                 [[f"`{stack}`", *(", ".join(digits(ratio, 3) for ratio in
+                                             release.row(f"sampling/{stack}/{what}")["variance_ratios"])
+                                   for what, _ in columns)] for stack in GROWN])
 
 
 def order_one(release):
