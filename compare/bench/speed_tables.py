@@ -336,7 +336,7 @@ def startup(release):
                    digits(1e-6 * r["peak_bytes"])] for r in rows])
 
 
-BLOCKS = {f.__name__: f for f in (measured, walks, directions, coats, tilted, engine, absorption, accuracy, sampling,
+BLOCKS = {f.__name__: f for f in (measured, walks, directions, coats, tilted, engine, absorption, accuracy, sampling, sampling_growth,
                                   order_one, digits_of_solver, solver, grids, grains, models, startup)}
 
 
