@@ -97,11 +97,10 @@ class GridWalksOnLanes {
   }
   template <class F>
   LAMELLA_INLINE void with_medium(const F& f) const {
-    with_lane_medium(lane_medium_of(t_.walk, 0), t_.walk.upright,
-                     [&]<template <class> class M>() LAMELLA_INLINE_LAMBDA {
-                       if constexpr (M<Floats>::kKind != LaneMediumKind::substrate)
-                         f(M<Floats>(OneLayer<Floats>{*t_.walk.layers, 0}));
-                     });
+    with_lane_medium(t_.walk, 0, [&]<template <class> class M>() LAMELLA_INLINE_LAMBDA {
+      if constexpr (M<Floats>::kKind != LaneMediumKind::substrate)
+        f(M<Floats>(OneLayer<Floats>{*t_.walk.layers, 0}));
+    });
   }
 
   // The voxels per mm of the way along -w_i, none 0; upwards fast enough for places in float.

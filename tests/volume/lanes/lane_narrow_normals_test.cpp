@@ -80,7 +80,7 @@ TEST(NarrowNormals, AllThatAreDrawnFaceTheLight) {
 
 constexpr double kAlphas[] = {0.001, 0.005, 0.05, 0.2};
 
-std::string flakes_of(double alpha, Direction axis) {
+std::string narrow_flakes_of(double alpha, Direction axis) {
   return fmt::format("medium = 'vmf_flake'\nalpha = {}\naxis = [{}, {}, {}]\nthickness = 1\n",
                      alpha, axis.x, axis.y, axis.z);
 }
@@ -94,7 +94,7 @@ TEST(NarrowNormals, FollowTheVisibleNormalsDensityOnBothSidesOfTheirDomain) {
   const Direction axis = normalized(Direction{0.5, -0.3, 0.8});
   for (const double alpha : kAlphas) {
     const double kappa = vmf_concentration(alpha), least = facing_cosine(kappa);
-    const Stack stack = stack_from(layer(flakes_of(alpha, axis)));
+    const Stack stack = stack_from(layer(narrow_flakes_of(alpha, axis)));
     const LaneSetting<double> setting(stack, make_plan(stack), axis, 1);
     ASSERT_TRUE(setting.walk.narrow);
     const NarrowVmfLambertOnLanes<double> flakes(OneLayer<double>{setting.layers, 0});
@@ -121,7 +121,7 @@ TEST(NarrowNormals, FollowTheVisibleNormalsDensityOnBothSidesOfTheirDomain) {
 TEST(NarrowNormals, SigmaGoesOnWhereTheTablesEnd) {
   const Direction axis{0, 0.6, 0.8};
   for (const double alpha : kAlphas) {
-    const Stack stack = stack_from(layer(flakes_of(alpha, axis)));
+    const Stack stack = stack_from(layer(narrow_flakes_of(alpha, axis)));
     const LaneSetting<double> setting(stack, make_plan(stack), axis, 1);
     const NarrowVmfOnLanes<double> narrow(OneLayer<double>{setting.layers, 0});
     const VmfOnLanes<double> tables(OneLayer<double>{setting.layers, 0});
@@ -146,7 +146,7 @@ TEST_P(NarrowFlakes, WalkAsScalarWalksDo) {
   for (const double alpha : kAlphas)
     for (const char* kind : {"mirror", "lambert"}) {
       const Stack stack =
-          stack_from(layer(flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'"));
+          stack_from(layer(narrow_flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'"));
       const double least = facing_cosine(vmf_concentration(alpha));
       for (const double u : {0.95, least * 1.01, least * 0.99}) {
         const Direction wi = light_at(axis, u);
@@ -167,7 +167,7 @@ TEST_P(NarrowFlakes, WalkAsScalarWalksDo) {
 TEST_P(NarrowFlakes, WalkThroughLayersAsScalarWalksDo) {
   const Direction axis = normalized(Direction{0.3, 0.2, 0.9});
   const auto flakes = [&](double alpha, const char* kind) {
-    return layer(flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'");
+    return layer(narrow_flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'");
   };
   const std::string coat = layer("interface = 'ggx'\nroughness = 0.2\nior = 1.4");
   for (const std::string& toml :
@@ -194,7 +194,7 @@ TEST_P(NarrowFlakes, SendLightAsScalarWalksDo) {
   for (const double alpha : {0.05, 0.2})
     for (const char* kind : {"mirror", "lambert"}) {
       const Stack stack =
-          stack_from(layer(flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'"));
+          stack_from(layer(narrow_flakes_of(alpha, axis) + "albedo = 0.9\nflake = '" + kind + "'"));
       const Direction wi = light_at(axis, 0.97);
       // Near the mirror's image, in the lobe of both kinds.
       const Direction image = 2 * dot(wi, axis) * axis - wi;
@@ -216,7 +216,7 @@ TEST_P(NarrowFlakes, SendLightAsScalarWalksDo) {
 TEST_P(NarrowFlakes, WalkInFloatAsInDouble) {
   const Direction axis = normalized(Direction{0.3, 0.2, 0.9});
   for (const double alpha : kAlphas) {
-    const Stack stack = stack_from(layer(flakes_of(alpha, axis) + "albedo = 0.9"));
+    const Stack stack = stack_from(layer(narrow_flakes_of(alpha, axis) + "albedo = 0.9"));
     const double least = facing_cosine(vmf_concentration(alpha));
     for (const double u : {0.99, least * 1.01, least * 0.99, 0.0}) {
       const Plan plan = plan_for(stack, GetParam(), {.max_order = 300});
@@ -241,7 +241,7 @@ TEST_P(NarrowFlakes, WalkInFloatAsInDouble) {
 // Sums are those of walks one by one, whatever walks share a set: Lambertian flakes send light
 // along the flakes, where some lanes take tables and others do not.
 TEST_P(NarrowFlakes, WalksDoNotDependOnTheirNeighbours) {
-  const std::string flakes = flakes_of(0.1, normalized(Direction{0.3, 0.2, 0.9}));
+  const std::string flakes = narrow_flakes_of(0.1, normalized(Direction{0.3, 0.2, 0.9}));
   for (const std::string& toml : {layer(flakes + "albedo = 1"),
                                   layer(flakes + "albedo = 1") + layer(flakes + "albedo = 1")}) {
     const Stack stack = stack_from(toml);
