@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "compare/command/command.h"
@@ -62,6 +63,10 @@ void print_run(std::FILE* out, const RunResult& run) {
                "  {:<12} {}: from the {}th event on half of the walks end, the others count "
                "double\n",
                "thinned", with_error(run.thinned, run), run.thinning.first);
+  else if (std::any_of(run.thinned.begin(), run.thinned.end(),
+                       [](const Estimate& e) { return e.value != 0; }))
+    fmt::print(out, "  {:<12} {}: taken by roulette on forced flights, less what it gave: noise\n",
+               "thinned", with_error(run.thinned, run));
   if (run.order_one == OrderOne::exact)
     fmt::print(out, "  {:<12} exact; what walks counted of it has p = {:.2g}\n", "order 1",
                run.order_one_p_value);

@@ -129,6 +129,10 @@ Json errors_of(const std::array<Estimate, 3>& e, int channels) {
 
 namespace {
 
+bool has_light(const std::array<Estimate, 3>& e) {
+  return std::any_of(e.begin(), e.end(), [](const Estimate& x) { return x.value != 0; });
+}
+
 Json side_json(const SideResult& side, int channels) {
   Json orders = Json::object();
   static const char* const names[kTallyOrders] = {"1", "2", "3", "4+"};
@@ -189,10 +193,9 @@ Json to_json(const RunResult& run) {
     out["order_1"] = to_text(run.order_one);
   }
   if (run.order_one == OrderOne::exact) out["order_1_p_value"] = run.order_one_p_value;
-  if (run.thinning.is_on()) {
-    out["thinned_from"] = run.thinning.first;
+  if (run.thinning.is_on()) out["thinned_from"] = run.thinning.first;
+  if (run.thinning.is_on() || has_light(run.thinned))
     out["thinned"] = values_of(run.thinned, run.channels);
-  }
   if (run.holes > 0) out["holes"] = run.holes;
   return out;
 }

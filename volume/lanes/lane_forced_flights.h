@@ -45,7 +45,8 @@ struct FixedPointLanes {
   }
 };
 
-/// The shares of walks that left on forced flights, on their way into the sums of a batch.
+/// The shares of walks that left on forced flights, and what roulette took of the others, on their
+/// way into the sums of a batch.
 class ForcedLeavers {
  public:
   /// Adds shares of walks after 1 to kForcedFlights - 1 events; `down` as the flight goes.
@@ -59,6 +60,12 @@ class ForcedLeavers {
     }
     ++terms_;
   }
+  /// Adds what roulette took, below 0 where it gave. At most once per `add`.
+  LAMELLA_INLINE void add_taken(Floats shares, Words events, FloatMask who) {
+    const FixedPointLanes::Term term(shares);
+    for (std::uint32_t k = 1; k < kForcedFlights; ++k)
+      shares_[2][k - 1].add(term, who & to_float_mask(equal(events, Words(k))));
+  }
   [[nodiscard]] LAMELLA_INLINE bool is_full() const { return terms_ == FixedPointLanes::kMost; }
   /// to: LaneSums::forced.
   [[gnu::noinline]] void empty(std::int64_t* to) {
@@ -69,7 +76,7 @@ class ForcedLeavers {
 
  private:
   int terms_ = 0;
-  FixedPointLanes shares_[2][kForcedFlights - 1] = {};
+  FixedPointLanes shares_[3][kForcedFlights - 1] = {};
 };
 
 /// Whether a loop has flights that are forced, where the setting asks for them.
@@ -88,7 +95,8 @@ struct ForcedShare {
 };
 
 /// Forces the flights, of the lanes `flies`, that follow the first events. w.weight[0] is the share
-/// of the walk that goes on; where little is left of it, roulette ends the walk as an event does.
+/// of the walk that goes on; where little is left of it, roulette ends the walk as an event does,
+/// and the ledger has what it takes and gives.
 /// depth(down): the optical depth from where walks are to where they would leave.
 template <class Score, class Depth>
 LAMELLA_INLINE ForcedShare force(const WalkSetting<float>& t, LaneState<Floats, 0>& w,
@@ -107,6 +115,8 @@ LAMELLA_INLINE ForcedShare force(const WalkSetting<float>& t, LaneState<Floats, 
   score.leave(w.weight[0] - stays, w.order, down, share.forced);
   const FloatMask little = share.forced & (stays < Floats(kLittle));
   share.dies = little & (luck * Floats(kLittle) >= stays);
+  if (any(little))
+    score.take(stays - select(share.dies, Floats(0), Floats(kLittle)), w.order, little);
   w.weight[0] = select(share.forced, select(little, Floats(kLittle), stays), w.weight[0]);
   share.remaining =
       select(share.forced, truncated_exponential_of(chance, draws.words[0]), share.remaining);

@@ -78,6 +78,10 @@ struct NextEventOnLanes {
     leavers.add(shares, events, down, who);
     if (leavers.is_full()) leavers.empty(t.batches[0].sums->forced);
   }
+  /// What roulette takes of walks after that.
+  LAMELLA_INLINE void take(Floats shares, Words events, FloatMask who) const {
+    leavers.add_taken(shares, events, who);
+  }
 
   template <class All, class M>
   LAMELLA_INLINE void operator()(All all, const M& medium, const LaneEvent<Floats>& event,

@@ -65,7 +65,7 @@ LaneRun::LaneRun(LaneEstimate estimate, const Stack& stack, const Plan& plan, Di
     if (task_.weighs()) c.weights.resize(c.ends.size() * task_.channels);
     if (task_.walk.forced_flights == 0) continue;
     c.shares.resize(c.ends.size());
-    c.forced.resize(std::size_t{2} * (kForcedFlights - 1));
+    c.forced.resize(std::size_t{3} * (kForcedFlights - 1));
   }
 }
 
@@ -376,44 +376,55 @@ void LaneRun::energies_to_tally(const Counts& counts, BatchTally& tally) const {
   const bool from_above = task_.walk.from_above;
   const int straight = bounded_ ? straight_row<true>(from_above) : straight_row<false>(from_above);
   for (int c = 0; c < task_.channels; ++c) {
-    // What left on forced flights after events that count as an order, times weight(events).
-    const auto forced = [&](auto end, int order, const auto& weight) {
+    // What left on forced flights, up or down, or what roulette took then (kTaken), after events
+    // that count as an order.
+    constexpr int kTaken = 2, kFlights = static_cast<int>(kForcedFlights) - 1;
+    const auto forced = [&](int side, int order) {
       double sum = 0;
-      const int side = static_cast<int>(end), flights = static_cast<int>(kForcedFlights) - 1;
-      if (counts.forced.empty() || side > 1) return sum;
-      for (int events = 1; events <= flights; ++events)
-        if (std::min(events, kOrders) == order)
-          sum += weight(events) * static_cast<double>(counts.forced[side * flights + events - 1]);
-      return sum / kPointUnits;
+      if (counts.forced.empty()) return sum;
+      for (int events = 1; events <= kFlights; ++events) {
+        if (std::min(events, kOrders) != order) continue;
+        const auto row = std::min(static_cast<std::uint32_t>(events), task_.order_cap);
+        const double weight =
+            task_.weighs()
+                ? static_cast<double>(end_weight_[c * (task_.order_cap + 1) + row]) / kPointUnits
+                : setting_.weight_after(0, order);
+        sum += weight * static_cast<double>(counts.forced[side * kFlights + events - 1]);
+      }
+      return chance * sum / kPointUnits;
     };
     // What walks of one order weigh together as they end.
     const auto ended = [&](auto end, int order) {
       const std::size_t at = place(end, order);
-      if (!task_.weighs()) {
-        double walks = static_cast<double>(ends[at]);
-        if (!counts.shares.empty())
-          walks = static_cast<double>(counts.shares[at]) / kPointUnits +
-                  forced(end, order, [](int) { return 1.0; });
-        return chance * walks * setting_.weight_after(0, order);
-      }
-      const double left = forced(end, order, [&](int events) {
-        const auto row = std::min(static_cast<std::uint32_t>(events), task_.order_cap);
-        return static_cast<double>(end_weight_[c * (task_.order_cap + 1) + row]);
-      });
-      return chance / kPointUnits *
-             (static_cast<double>(counts.weights[c * ends.size() + at]) + left);
+      const int side = static_cast<int>(end);
+      const double on_forced = side < kTaken ? forced(side, order) : 0;
+      if (task_.weighs())
+        return on_forced +
+               chance / kPointUnits * static_cast<double>(counts.weights[c * ends.size() + at]);
+      const double walks = counts.shares.empty()
+                               ? static_cast<double>(ends[at])
+                               : static_cast<double>(counts.shares[at]) / kPointUnits;
+      return on_forced + chance * walks * setting_.weight_after(0, order);
     };
+    double taken = 0;
+    for (int k = 1; k <= kOrders; ++k) taken += forced(kTaken, k);
     energy.uncollided[c] = (1 - chance) * static_cast<double>(tally.walks) + ended(straight, 0);
     energy.unresolved[c] = ended(WalkEnd::unresolved, 0);
-    energy.thinned[c] = chance * (static_cast<double>(tally.walks) - standing);
+    energy.thinned[c] = chance * (static_cast<double>(tally.walks) - standing) + taken;
     // A walk has lost to its events what it lacks at its end, and at a last event everything.
-    energy.absorbed[c] = chance * standing - ended(straight, 0) - ended(WalkEnd::unresolved, 0);
+    energy.absorbed[c] =
+        chance * standing - taken - ended(straight, 0) - ended(WalkEnd::unresolved, 0);
     for (int k = 1; k <= kOrders; ++k) {
       energy.up[k - 1][c] = ended(WalkEnd::up, k);
       energy.down[k - 1][c] = ended(WalkEnd::down, k);
       energy.unresolved[c] += ended(WalkEnd::unresolved, k);
       energy.absorbed[c] -=
           ended(WalkEnd::up, k) + ended(WalkEnd::down, k) + ended(WalkEnd::unresolved, k);
+    }
+    if (!counts.forced.empty() && setting_.albedo[c] == 1) {
+      // Nothing is; what is there is the rounding of shares.
+      energy.thinned[c] += energy.absorbed[c];
+      energy.absorbed[c] = 0;
     }
     if (!bounded_) continue;
     for (int k = 0; k <= kOrders; ++k) energy.lost[c] += ended(kLostRow, k);

@@ -57,7 +57,7 @@ struct LaneSums {
   /// [channel][slot][target].
   std::int64_t* cells = nullptr;
   /// Where flights are forced: shares of walks in units of 1 / kPointUnits, at their end as `ends`,
-  /// and those that left on such a flight [up, down][events - 1].
+  /// and those that left on such a flight, or that roulette took [up, down, taken][events - 1].
   std::int64_t *shares = nullptr, *forced = nullptr;
   /// Next event: p(w_i -> w_o) exp(-tau) (on cells, over |mu_o|) times the weight, if the task has
   /// weights or three channels: [slot][channel][place].
