@@ -21,18 +21,10 @@ static_assert(kRows <= kProductRows);
 // Rows of A, `rows` of them, into panels of kRows with zeros behind the last.
 void pack(const double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t depth,
           double* panel) {
-  const Tag d;
-  const std::ptrdiff_t whole = rows / kLanes * kLanes;
   for (std::ptrdiff_t k = 0; k < depth; ++k) {
     const double* column = a + k * stride;
     double* to = panel + k * kRows;
-    if (rows == kRows) {
-      for (int v = 0; v < kVectors; ++v)
-        hn::StoreU(hn::LoadU(d, column + v * kLanes), d, to + v * kLanes);
-      continue;
-    }
     std::ptrdiff_t i = 0;
-    for (; i < whole; i += kLanes) hn::StoreU(hn::LoadU(d, column + i), d, to + i);
     for (; i < rows; ++i) to[i] = column[i];
     for (; i < kRows; ++i) to[i] = 0;
   }

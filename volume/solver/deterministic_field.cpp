@@ -1,4 +1,3 @@
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 
@@ -260,12 +259,7 @@ DeterministicField DeterministicSolution::field(std::span<const double> mu_i,
       }
     };
     // One by one: some modes take far longer than others.
-    oneapi::tbb::parallel_for(
-        oneapi::tbb::blocked_range<int>(0, modes_[k]),
-        [&](const auto& range) {
-          for (int m = range.begin(); m < range.end(); ++m) solve(m);
-        },
-        oneapi::tbb::simple_partitioner());
+    oneapi::tbb::parallel_for(0, modes_[k], solve, oneapi::tbb::simple_partitioner());
     if (split)
       for (int m = 0; m < modes_[k]; ++m)
         if (std::optional<Parts> counted = split->counted(m))

@@ -1,6 +1,5 @@
 // Nodes and modes are refined until the probes' values stand still.
 
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
@@ -160,10 +159,7 @@ ProbeModes solve_probes(StackSolver& stack, SecondSplit* split, int parts, const
     count = std::min({batch, stack.ready() - first, limits.max_modes - first});
     solved.resize(std::max(solved.size(), static_cast<std::size_t>(count)));
     oneapi::tbb::parallel_for(
-        oneapi::tbb::blocked_range<int>(0, count),
-        [&](const auto& range) {
-          for (int k = range.begin(); k < range.end(); ++k) solved[k] = stack.asked_mode(first + k);
-        },
+        0, count, [&](int k) { solved[k] = stack.asked_mode(first + k); },
         oneapi::tbb::simple_partitioner());
     batch = first == 0 || seconds_since(begun) > kMoment ? threads : 2 * batch;
     if (first == 0) result.energy_defect = energy_defect(solved[0], parts > 1);

@@ -204,7 +204,7 @@ TEST_P(ForcedFlights, AreTheSameHoweverTheyAreDealtOut) {
   }
 }
 
-// What they are for: 8 to 13 and 44 and 18 times less variance at 1e5 and 1e6 walks.
+// What they are for. `lamella bench --only sampling` measures how much more it is.
 TEST_P(ForcedFlights, MakeOrdersSmoothForLattices) {
   const ForcedCase c{"mirrors",
                      layer("medium = 'sggx'\nroughness = 0.5\nalbedo = 0.9\nthickness = 2"), 60};
